@@ -1,0 +1,1 @@
+"""The algorithms: numpy, OpenCV and YAML; no ROS."""

@@ -1,0 +1,192 @@
+"""Calibration files: ROS camera_info YAML (one a camera) and OpenCV stereo YAML.
+
+`left.yaml` and `right.yaml` are what camera_info_manager reads and writes; `stereo.yaml` holds
+OpenCV's K1 D1 K2 D2 R T with `X_right = R X_left + T`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import yaml
+
+from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import ArrayError, CalibrationError
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.transform import Transform
+
+_OPENCV_NAMES = ("stereo.yaml", "stereo.yml", "opencv.yaml", "opencv.yml")
+_METRES_PER_UNIT = {"m": 1.0, "mm": 0.001, "cm": 0.01}
+
+
+def load_rig(path: Path) -> StereoRig:
+    """Read a rig from a folder (left.yaml and right.yaml, or stereo.yaml) or from an OpenCV YAML file.
+
+    Raises CalibrationError, naming the file and the value, on anything that is missing or wrong.
+    """
+    if path.is_file():
+        return load_opencv(path)
+    if not path.is_dir():
+        raise CalibrationError(f"{path}: no such calibration folder or file")
+    left, right = path / "left.yaml", path / "right.yaml"
+    if left.is_file() and right.is_file():
+        return _about(path, lambda: StereoRig.from_cameras(load_camera_info(left), load_camera_info(right)))
+    for name in _OPENCV_NAMES:
+        if (path / name).is_file():
+            return load_opencv(path / name)
+    have = ", ".join(sorted(file.name for file in path.iterdir())) or "nothing"
+    raise CalibrationError(f"{path} holds neither left.yaml and right.yaml nor stereo.yaml, but {have}")
+
+
+def load_camera_info(path: Path) -> Camera:
+    """Read one camera from a camera_info YAML; raises CalibrationError naming the file and the field."""
+    try:
+        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise CalibrationError(f"{path}: cannot be read: {error.strerror}") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise CalibrationError(f"{path}: is no YAML: {str(error).splitlines()[0]}") from None
+    if not isinstance(data, Mapping):
+        raise CalibrationError(f"{path}: is no camera_info YAML")
+    return _about(path, lambda: camera_from_mapping(data))
+
+
+def camera_from_mapping(data: Mapping[str, Any]) -> Camera:
+    """A camera from the content of a camera_info YAML."""
+
+    def entry(name: str) -> Any:
+        if name not in data:
+            raise CalibrationError(f"field {name!r} is missing")
+        return data[name]
+
+    def matrix(name: str, rows: int, cols: int | None) -> Floats:
+        value = entry(name)
+        if not isinstance(value, Mapping) or "data" not in value:
+            raise CalibrationError(f"field {name!r} has no 'data'")
+        try:
+            flat = np.asarray(value["data"], np.float64).ravel()
+            return floats(name, flat.reshape(rows, cols or -1), rows, cols)
+        except ArrayError:
+            raise
+        except (TypeError, ValueError):
+            raise CalibrationError(
+                f"field {name!r} must hold {rows} x {cols or 'n'} numbers, holds {value['data']}"
+            ) from None
+
+    try:
+        width, height = int(entry("image_width")), int(entry("image_height"))
+    except (TypeError, ValueError):
+        raise CalibrationError("image_width and image_height must be whole numbers") from None
+    return Camera(
+        name=str(data.get("camera_name", "camera")),
+        width_px=width,
+        height_px=height,
+        K=matrix("camera_matrix", 3, 3),
+        D=matrix("distortion_coefficients", 1, None)[0],
+        R=matrix("rectification_matrix", 3, 3),
+        P=matrix("projection_matrix", 3, 4),
+        distortion_model=str(data.get("distortion_model", "plumb_bob")),
+    )
+
+
+def camera_to_mapping(camera: Camera) -> dict[str, Any]:
+    """The content of a camera_info YAML, in camera_info_manager's order."""
+
+    def matrix(value: Floats) -> dict[str, Any]:
+        rows, cols = np.atleast_2d(value).shape
+        return {"rows": rows, "cols": cols, "data": [float(v) for v in value.ravel()]}
+
+    return {
+        "image_width": camera.width_px,
+        "image_height": camera.height_px,
+        "camera_name": camera.name,
+        "camera_matrix": matrix(camera.K),
+        "distortion_model": camera.distortion_model,
+        "distortion_coefficients": matrix(camera.D),
+        "rectification_matrix": matrix(camera.R),
+        "projection_matrix": matrix(camera.P),
+    }
+
+
+def save_rig(rig: StereoRig, folder: Path) -> list[Path]:
+    """Write left.yaml, right.yaml (camera_info) and stereo.yaml (OpenCV, metres) into `folder`."""
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for side, camera in (("left", rig.left), ("right", rig.right)):
+        path = folder / f"{side}.yaml"
+        path.write_text(yaml.safe_dump(camera_to_mapping(camera), sort_keys=False, default_flow_style=None, width=200))
+        paths.append(path)
+    paths.append(folder / "stereo.yaml")
+    _save_opencv(rig, paths[-1])
+    return paths
+
+
+def load_opencv(path: Path) -> StereoRig:
+    """Read an OpenCV stereo YAML: K1 D1 K2 D2 R T, image_width, image_height, and `unit` (m unless given).
+
+    Raises CalibrationError naming the file and the field.
+    """
+    try:
+        storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
+        opened = storage.isOpened()
+    except (cv2.error, SystemError):
+        opened = False
+    if not opened:
+        raise CalibrationError(f"{path}: is no OpenCV YAML (a file that starts with %YAML:1.0)")
+    try:
+        return _about(path, lambda: _rig_from_storage(storage))
+    finally:
+        storage.release()
+
+
+def _rig_from_storage(storage: cv2.FileStorage) -> StereoRig:
+    def matrix(name: str, *shape: int | None) -> Floats:
+        node = storage.getNode(name)
+        value = None if node.empty() else node.mat()
+        if value is None:
+            raise CalibrationError(f"matrix {name!r} is missing; needed are K1 D1 K2 D2 R T")
+        if shape == (None,):
+            value = value.ravel()
+        return floats(name, value, *shape)
+
+    width, height = (int(storage.getNode(name).real()) for name in ("image_width", "image_height"))
+    unit_node = storage.getNode("unit")
+    unit = "m" if unit_node.empty() else unit_node.string()
+    if unit not in _METRES_PER_UNIT:
+        raise CalibrationError(f"unit {unit!r} must be one of {', '.join(_METRES_PER_UNIT)}")
+    P = np.eye(3, 4)
+    left = Camera("left", width, height, matrix("K1", 3, 3), matrix("D1", None), np.eye(3), P)
+    right = Camera("right", width, height, matrix("K2", 3, 3), matrix("D2", None), np.eye(3), P)
+    T = matrix("T", None) * _METRES_PER_UNIT[unit]
+    return StereoRig.from_extrinsics(left, right, Transform(matrix("R", 3, 3), floats("T", T, 3)))
+
+
+def _save_opencv(rig: StereoRig, path: Path) -> None:
+    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    storage.write("image_width", rig.left.width_px)
+    storage.write("image_height", rig.left.height_px)
+    storage.write("unit", "m")
+    right_T_left = rig.right_T_left
+    for name, value in (
+        ("K1", rig.left.K),
+        ("D1", rig.left.D.reshape(1, -1)),
+        ("K2", rig.right.K),
+        ("D2", rig.right.D.reshape(1, -1)),
+        ("R", right_T_left.rotation),
+        ("T", right_T_left.translation.reshape(3, 1)),
+    ):
+        storage.write(name, np.array(value))
+    storage.release()
+
+
+def _about(path: Path, build: Any) -> Any:
+    """Call `build`, and put the path before the message of what it raises."""
+    try:
+        return build()
+    except (CalibrationError, ArrayError) as error:
+        raise CalibrationError(f"{path}: {error}") from None

@@ -1,0 +1,113 @@
+"""Two calibrated cameras as one rig."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.rectified_view import rectified_view
+from stereo_pick.core.transform import Transform
+
+MIN_BASELINE_M = 0.001
+MAX_BASELINE_M = 5.0
+
+
+@dataclass(frozen=True)
+class StereoRig:
+    """Left and right camera whose R and P describe one rectified view with horizontal rows (REP 104).
+
+    Raises CalibrationError where the baseline is zero, negative or given in millimetres, or where
+    R and P of the two cameras do not belong together.
+    """
+
+    left: Camera
+    right: Camera
+
+    def __post_init__(self) -> None:
+        check_baseline(extrinsics(self.left, self.right))
+        left, right = self.left.P, self.right.P
+        if not np.allclose(left[1, 1:3], right[1, 1:3], rtol=1e-4) or abs(right[1, 3]) > 1e-6 * abs(right[0, 3]):
+            raise CalibrationError(
+                f"left and right P do not share their rows: fy {left[1, 1]:.3f} and {right[1, 1]:.3f}, "
+                f"cy {left[1, 2]:.3f} and {right[1, 2]:.3f}, P[1,3] {right[1, 3]:.3f}: "
+                "they are not the horizontal rectification of one stereo calibration"
+            )
+
+    @staticmethod
+    def from_cameras(left: Camera, right: Camera) -> StereoRig:
+        """Build from two camera_info: their R and P say where the cameras stand, not how to rectify.
+
+        Raises CalibrationError as the class does.
+        """
+        return StereoRig.from_extrinsics(left, right, extrinsics(left, right))
+
+    @staticmethod
+    def from_extrinsics(left: Camera, right: Camera, right_T_left: Transform) -> StereoRig:
+        """Build from two cameras and `X_right = R X_left + T` [m], with the rectified view that suits them.
+
+        Raises CalibrationError as the class does.
+        """
+        check_baseline(right_T_left)
+        return StereoRig(*rectified_view(left, right, right_T_left))
+
+    @property
+    def baseline_m(self) -> float:
+        """Distance of the two camera centres [m]."""
+        return float(-self.right.P[0, 3] / self.right.P[0, 0])
+
+    @property
+    def focal_px(self) -> float:
+        """Focal length of the rectified cameras [px]."""
+        return float(self.left.P[0, 0])
+
+    @property
+    def right_T_left(self) -> Transform:
+        """From the left to the right camera's (raw) optical frame: `X_R = R X_L + T` [m].
+
+        The thesis prints the reverse in eq. 3.14; its numbers (3.4.2) make sense only in this direction.
+        """
+        return extrinsics(self.left, self.right)
+
+    def project(self, xyz: ArrayLike) -> tuple[Floats, Floats]:
+        """Points (N, 3) [m] in the left optical frame to raw pixels (N, 2) of left and right."""
+        return self.left.project(xyz), self.right.project(self.right_T_left.apply(xyz))
+
+
+def extrinsics(left: Camera, right: Camera) -> Transform:
+    """`right_T_left` [m] of two camera_info: R turns both into the rectified frame, P[:,3] / f is the shift there.
+
+    Raises CalibrationError where P[0,3] is positive, which puts the right camera left of the left one.
+    """
+    shift = np.array([right.P[0, 3] / right.P[0, 0], right.P[1, 3] / right.P[1, 1], 0.0])
+    if shift[0] > MIN_BASELINE_M and shift[0] > abs(shift[1]):
+        raise CalibrationError(
+            f"baseline -P[0,3] / fx of the right camera = {-shift[0]:.4f} m is negative: left and right are swapped; "
+            "exchange the two cameras, or calibrate again"
+        )
+    return Transform(right.R.T @ left.R, right.R.T @ shift)
+
+
+def check_baseline(right_T_left: Transform) -> None:
+    """Raise CalibrationError for a baseline that is zero, negative or in millimetres."""
+    centre = right_T_left.inverse().translation
+    baseline_m = float(np.linalg.norm(centre))
+    if baseline_m < MIN_BASELINE_M:
+        raise CalibrationError(
+            f"baseline = {baseline_m * 1000:.3f} mm is zero: both images come from the same place, "
+            "or the cameras were calibrated one by one; calibrate them as a stereo pair"
+        )
+    if baseline_m > MAX_BASELINE_M:
+        raise CalibrationError(
+            f"baseline = {baseline_m:.1f} m is longer than {MAX_BASELINE_M:g} m: the calibration is in "
+            "millimetres; divide its translation (T, or P[0,3]) by 1000"
+        )
+    if -centre[0] > np.abs(centre[1:]).max():
+        raise CalibrationError(
+            f"baseline = {centre[0]:.4f} m is negative: the right camera stands left of the left one; "
+            "left and right are swapped: exchange them, or calibrate again"
+        )
