@@ -18,7 +18,7 @@ _D_LENGTHS = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Camera:
     """Intrinsics and rectification of one camera (REP 104).
 

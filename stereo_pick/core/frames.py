@@ -12,7 +12,7 @@ from stereo_pick.core.errors import ImageError
 from stereo_pick.core.rig import StereoRig
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StereoFrame:
     """A raw pair: left and right (H, W) grey or (H, W, 3) BGR, uint8, taken at the same time.
 
@@ -31,7 +31,7 @@ class StereoFrame:
                 raise ImageError(str(error)) from None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RectifiedPair:
     """Rectified grey images (H, W) uint8 in which a point has the same row, and the rig they belong to."""
 

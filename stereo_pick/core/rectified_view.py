@@ -9,15 +9,19 @@ view needs to fit into images of the raw size.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.transform import Transform
 
 _MIN_SCALE = 0.5  # a wide lens has no perspective image of its whole field; the edges go first
-_EDGE_POINTS = 41
+_LOST_PERCENT = 0.5  # of the pixels at each border: a lens model may run wild in the far corners
+_GRID = 64
 
 
 def rectified_view(left: Camera, right: Camera, right_T_left: Transform) -> tuple[Camera, Camera]:
@@ -65,15 +69,12 @@ def rectifying_rotations(right_T_left: Transform) -> tuple[Floats, Floats]:
 
 def _extent(camera: Camera, R: Floats) -> Floats:
     """Bounds (2, 2) of the raw image in normalized rectified coordinates: [[x0, y0], [x1, y1]]."""
-    x = np.linspace(0, camera.width_px - 1, _EDGE_POINTS)
-    y = np.linspace(0, camera.height_px - 1, _EDGE_POINTS)
-    edge = np.concatenate(
-        [np.c_[x, x * 0], np.c_[x, x * 0 + y[-1]], np.c_[y * 0, y], np.c_[y * 0 + x[-1], y]]
-    )
-    rays = np.c_[camera.normalized(edge), np.ones(len(edge))] @ R.T
+    x, y = np.meshgrid(np.linspace(0, camera.width_px - 1, _GRID), np.linspace(0, camera.height_px - 1, _GRID))
+    grid = np.c_[x.ravel(), y.ravel()]
+    rays = np.c_[camera.normalized(grid), np.ones(len(grid))] @ R.T
     rays = rays[rays[:, 2] > 0.1 * np.linalg.norm(rays, axis=1)]
     points = rays[:, :2] / rays[:, 2:]
-    return np.array([points.min(axis=0), points.max(axis=0)])
+    return np.percentile(points, [_LOST_PERCENT, 100 - _LOST_PERCENT], axis=0)
 
 
 def _common_rows(left: Floats, right: Floats) -> Floats:
@@ -82,18 +83,20 @@ def _common_rows(left: Floats, right: Floats) -> Floats:
     return common if common[1] > common[0] else left
 
 
-def valid_region(camera: Camera) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Mask (H, W) of the rectified pixels that the raw image covers."""
+@lru_cache(maxsize=8)
+def valid_region(camera: Camera) -> Bools:
+    """Mask (H, W), read-only, of the rectified pixels that the raw image covers."""
     map_x, map_y = rectification_maps(camera)
-    inside = (map_x >= 0) & (map_x <= camera.width_px - 1) & (map_y >= 0) & (map_y <= camera.height_px - 1)
+    inside: Bools = (map_x >= 0) & (map_x <= camera.width_px - 1) & (map_y >= 0) & (map_y <= camera.height_px - 1)
+    inside.setflags(write=False)
     return inside
 
 
-def rectification_maps(camera: Camera) -> tuple[np.ndarray, np.ndarray]:  # type: ignore[type-arg]
+def rectification_maps(camera: Camera) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Raw pixel (float32 x and y, each (H, W)) of every rectified pixel."""
     size = camera.frame_size
     if camera.distortion_model == "equidistant":
         maps = cv2.fisheye.initUndistortRectifyMap(camera.K, camera.D, camera.R, camera.P[:, :3], size, cv2.CV_32FC1)
     else:
         maps = cv2.initUndistortRectifyMap(camera.K, camera.D, camera.R, camera.P[:, :3], size, cv2.CV_32FC1)
-    return maps[0], maps[1]
+    return np.asarray(maps[0], np.float32), np.asarray(maps[1], np.float32)

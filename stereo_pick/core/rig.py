@@ -17,7 +17,7 @@ MIN_BASELINE_M = 0.001
 MAX_BASELINE_M = 5.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class StereoRig:
     """Left and right camera whose R and P describe one rectified view with horizontal rows (REP 104).
 

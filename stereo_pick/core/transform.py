@@ -11,7 +11,7 @@ from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.errors import ArrayError
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Transform:
     """`a_T_b`: takes points from frame b to frame a, `X_a = rotation @ X_b + translation`.
 

@@ -1,0 +1,84 @@
+"""One camera at a time: intrinsics, and where the board stood in each view (thesis 3.4, Zhang 2000)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.views import BoardView, RejectedView, check_enough, outlier_limit_px
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.transform import Transform
+
+_TIGHT = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
+
+
+@dataclass(frozen=True)
+class MonoCalibration:
+    """A camera, `camera_T_board` of each view, and each view's rms distance `errors_px` (V,) [px]."""
+
+    camera: Camera
+    poses: tuple[Transform, ...]
+    errors_px: Floats
+
+
+def calibrate_cameras(
+    views: Sequence[BoardView], size_px: tuple[int, int], board: Chessboard
+) -> tuple[MonoCalibration, MonoCalibration, list[BoardView], list[RejectedView]]:
+    """Calibrate left and right one by one, leaving out (worst first) the views whose corners are imprecise.
+
+    Returns left, right, the views kept and those rejected. Raises CalibrationError where fewer than
+    three are left or the views do not determine a camera.
+    """
+    kept, rejected = list(views), list[RejectedView]()
+    while True:
+        check_enough(kept, rejected, board)
+        left = calibrate_camera("left", [view.left_px for view in kept], size_px, board)
+        right = calibrate_camera("right", [view.right_px for view in kept], size_px, board)
+        side, calibration = max((("left", left), ("right", right)), key=lambda named: _excess(named[1].errors_px))
+        errors = calibration.errors_px
+        if _excess(errors) <= 1:
+            return left, right, kept, rejected
+        worst = int(errors.argmax())
+        reason = (
+            f"corners of the {side} image are off by {errors[worst]:.2f} px, those of the other views by "
+            f"{np.median(errors):.2f} px: over-exposed, blurred or hidden in part"
+        )
+        rejected.append(RejectedView(kept.pop(worst).name, reason))
+
+
+def calibrate_camera(
+    name: str, corners_px: Sequence[Floats], size_px: tuple[int, int], board: Chessboard
+) -> MonoCalibration:
+    """Calibrate one camera (k1 k2 p1 p2; k3 = 0) from the corners (N, 2) [px] of several views.
+
+    Raises CalibrationError where the views do not determine the camera.
+    """
+    points = board.object_points().astype(np.float32)
+    try:
+        _, K, D, rvecs, tvecs, _, _, errors = cv2.calibrateCameraExtended(
+            [points] * len(corners_px),
+            [corners.astype(np.float32) for corners in corners_px],
+            size_px,
+            np.eye(3),
+            np.zeros(5),
+            flags=cv2.CALIB_FIX_K3,
+            criteria=_TIGHT,
+        )
+        camera = Camera(name, *size_px, K, D.ravel()[:5], np.eye(3), np.eye(3, 4))
+    except (cv2.error, CalibrationError) as error:
+        raise CalibrationError(
+            f"the {len(corners_px)} views do not determine the {name} camera: tilt the board to all sides, up to "
+            f"45 degrees, and move it through the image ({str(error).strip().splitlines()[-1]})"
+        ) from None
+    poses = tuple(Transform(cv2.Rodrigues(r)[0], t.ravel()) for r, t in zip(rvecs, tvecs))
+    return MonoCalibration(camera, poses, np.asarray(errors, np.float64).ravel())
+
+
+def _excess(errors_px: Floats) -> float:
+    return float(errors_px.max()) / outlier_limit_px(errors_px)

@@ -1,0 +1,68 @@
+"""Views of a board: the corners that both cameras found, and the pairs that were left out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.errors import CalibrationError
+
+MIN_VIEWS = 3
+_TIMES_MEDIAN = 3.0
+_MIN_OUTLIER_PX = 0.1  # what a detector gets wrong on a good image; never an outlier
+
+
+@dataclass(frozen=True)
+class BoardView:
+    """One stereo pair's corners: left_px and right_px (N, 2) [px] in the raw images.
+
+    Raises ArrayError on another shape or values that are not finite.
+    """
+
+    name: str
+    left_px: Floats
+    right_px: Floats
+
+    def __post_init__(self) -> None:
+        for field in ("left_px", "right_px"):
+            object.__setattr__(self, field, floats(f"{self.name}: {field}", getattr(self, field), None, 2))
+
+
+@dataclass(frozen=True)
+class RejectedView:
+    """A stereo pair that was left out, and why."""
+
+    name: str
+    reason: str
+
+
+def check_views(views: Sequence[BoardView], board: Chessboard) -> None:
+    """Raise CalibrationError where a view has another number of corners than the board."""
+    for view in views:
+        for side, corners in (("left", view.left_px), ("right", view.right_px)):
+            if len(corners) != board.corner_count:
+                raise CalibrationError(
+                    f"{view.name}: {len(corners)} corners in the {side} image, but a {board} board has "
+                    f"{board.corner_count}"
+                )
+
+
+def check_enough(views: Sequence[BoardView], rejected: Sequence[RejectedView], board: Chessboard) -> None:
+    """Raise CalibrationError, saying what became of the others, where fewer than MIN_VIEWS pairs are left."""
+    if len(views) >= MIN_VIEWS:
+        return
+    reasons = "; ".join(f"{view.name}: {view.reason}" for view in rejected[:5])
+    more = f"; and {len(rejected) - 5} more" if len(rejected) > 5 else ""
+    raise CalibrationError(
+        f"{len(views)} usable pairs of the {board} board are too few: at least {MIN_VIEWS} are needed, 15 are good; "
+        f"take more pairs with the whole board in both images{f' ({reasons}{more})' if reasons else ''}"
+    )
+
+
+def outlier_limit_px(errors_px: Floats) -> float:
+    """The error [px] above which a view does not belong to the others: three times their median."""
+    return max(_TIMES_MEDIAN * float(np.median(errors_px)), _MIN_OUTLIER_PX)

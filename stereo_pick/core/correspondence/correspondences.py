@@ -1,0 +1,61 @@
+"""Image points of the left and of the right view that show the same object."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.refusal import Refusal
+
+
+@dataclass(frozen=True, eq=False)
+class Correspondences:
+    """N matched objects, and what was refused.
+
+    left_px, right_px: (N, 2) in the rectified views [px]; sigma_px: (N, 2), one sigma of the left and of the
+    right point in each direction [px], the currency in which all methods state their uncertainty;
+    size_px: (N, 2), length and width of the object in the left rectified view [px]; direction_rad: (N,),
+    direction of its length there, from the x axis towards y.
+    """
+
+    left_px: Floats
+    right_px: Floats
+    sigma_px: Floats
+    size_px: Floats
+    direction_rad: Floats
+    refused: tuple[Refusal, ...] = ()
+
+    def __post_init__(self) -> None:
+        count = len(self.left_px)
+        for name in ("left_px", "right_px", "sigma_px", "size_px"):
+            object.__setattr__(self, name, floats(name, np.reshape(getattr(self, name), (-1, 2)), count, 2))
+        object.__setattr__(self, "direction_rad", floats("direction_rad", self.direction_rad, count))
+
+    def __len__(self) -> int:
+        return len(self.left_px)
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """One row of `Correspondences`."""
+
+    left_px: Floats
+    right_px: Floats
+    sigma_px: tuple[float, float]
+    size_px: tuple[float, float]
+    direction_rad: float
+
+
+def collect(matches: Sequence[Match], refused: Sequence[Refusal]) -> Correspondences:
+    """Put single matches together, in their order."""
+    return Correspondences(
+        left_px=np.array([match.left_px for match in matches]).reshape(-1, 2),
+        right_px=np.array([match.right_px for match in matches]).reshape(-1, 2),
+        sigma_px=np.array([match.sigma_px for match in matches]).reshape(-1, 2),
+        size_px=np.array([match.size_px for match in matches]).reshape(-1, 2),
+        direction_rad=np.array([match.direction_rad for match in matches], np.float64),
+        refused=tuple(refused),
+    )

@@ -1,0 +1,105 @@
+"""Method `feature`: 8-connected objects matched between the views (thesis 3.8)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
+from stereo_pick.core.correspondence.assignment import assign
+from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
+from stereo_pick.core.correspondence.method import Method
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects import Blob, Blobs
+from stereo_pick.core.params import parameter
+from stereo_pick.core.refusal import Refusal
+
+Pairs = list[tuple[int, int]]
+
+_EDGE_SIGMA_PX = 0.8
+_INDEPENDENT_ARCS = 8  # shading moves an edge along whole arcs of the outline, not point by point
+
+
+@dataclass(frozen=True)
+class Feature(Method):
+    """Matches whole objects by rows and area; their centroids are the corresponding points."""
+
+    assignment: str = parameter(
+        "global",
+        "How objects are paired: one-to-one for all objects together, or by the thesis's least difference of area "
+        "(eq. 3.11) for each object alone, which neither is one-to-one nor knows epipolar lines.",
+        choices=("global", "area"),
+    )
+    epipolar_tolerance_px: float = parameter(
+        1.5, "By how many rows an object's top, bottom and centroid may differ between the views.", low=0.1, high=50.0
+    )
+    shape_tolerance: float = parameter(
+        0.03, "The same, in addition, as a part of the object's height: hollow parts look different from two sides.",
+        low=0.0, high=0.5,
+    )
+    max_area_ratio: float = parameter(
+        1.5, "By what factor an object's areas in the two views may differ.", low=1.0, high=10.0
+    )
+    ambiguity_margin: float = parameter(
+        0.25, "How much better (0 the same, 1 from perfect to barely possible) a match must be than what is left over.",
+        low=0.0, high=1.0,
+    )
+
+    def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
+        """Return centroids of matched objects, left to right in the left view."""
+        left, right = blobs.sound()
+        if self.assignment == "area":
+            pairs, doubtful = least_area_difference(left, right), set()
+        else:
+            cost = self.cost(left, right, self.disparities_px(pair.rig))
+            pairs = uncrossed(assign(cost, unmatched_cost=1.0), cost, left, right)
+            doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin)
+        kept = [_match(left[i], right[j]) for i, j in pairs if (i, j) not in doubtful]
+        refused = [Refusal("ambiguous", left[i].centroid_px, right[j].centroid_px) for i, j in sorted(doubtful)]
+        return collect(kept, [*blobs.refusals(), *refused, *_unmatched(left, right, pairs)])
+
+    def cost(self, left: list[Blob], right: list[Blob], disparities_px: tuple[float, float]) -> Floats:
+        """Cost (N, M) of every pair: 0 alike, 1 barely possible, inf impossible.
+
+        Where an epipolar plane touches an object it touches it for both cameras, so in the rectified views an
+        object has the same top and bottom row whatever its shape; its area is nearly the same.
+        """
+        one, other = _features(left)[:, None], _features(right)[None]
+        height = np.minimum(one[..., 1] - one[..., 0], other[..., 1] - other[..., 0])
+        tolerance = self.epipolar_tolerance_px + self.shape_tolerance * height
+        row_gaps = np.abs(one[..., :3] - other[..., :3]) / tolerance[..., None]
+        area_gap = np.abs(np.log(one[..., 4] / other[..., 4])) / max(np.log(self.max_area_ratio), 1e-9)
+        gaps = np.concatenate([row_gaps, area_gap[..., None]], axis=-1)
+        disparity = one[..., 3] - other[..., 3]
+        possible = (gaps <= 1).all(axis=-1) & (disparity >= disparities_px[0]) & (disparity <= disparities_px[1])
+        return np.where(possible, (gaps**2).mean(axis=-1), np.inf)
+
+
+def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
+    """The thesis's pairing (eq. 3.11): for each left object the right one of nearest area."""
+    if not right:
+        return []
+    areas = np.array([blob.area_px2 for blob in right])
+    return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
+
+
+def _features(blobs: list[Blob]) -> Floats:
+    """Top, bottom and centroid row, centroid column, area: (N, 5) [px, px²]."""
+    rows = [(*blob.rows_px, blob.centroid_px[1], blob.centroid_px[0], blob.area_px2) for blob in blobs]
+    return np.array(rows, np.float64).reshape(-1, 5)
+
+
+def _match(left: Blob, right: Blob) -> Match:
+    sigma_px = _EDGE_SIGMA_PX / np.sqrt(_INDEPENDENT_ARCS)
+    length, width, direction = left.rectangle
+    return Match(left.centroid_px, right.centroid_px, (sigma_px, sigma_px), (length, width), direction)
+
+
+def _unmatched(left: list[Blob], right: list[Blob], pairs: Pairs) -> list[Refusal]:
+    seen_left, seen_right = {i for i, _ in pairs}, {j for _, j in pairs}
+    return [
+        *(Refusal("left_only", blob.centroid_px, None) for i, blob in enumerate(left) if i not in seen_left),
+        *(Refusal("right_only", None, blob.centroid_px) for j, blob in enumerate(right) if j not in seen_right),
+    ]

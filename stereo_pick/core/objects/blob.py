@@ -1,0 +1,100 @@
+"""One object's outline in one rectified view."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import cv2
+import numpy as np
+
+from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.errors import ArrayError
+from stereo_pick.core.refusal import Refusal
+
+
+@dataclass(frozen=True, eq=False)
+class Blob:
+    """An 8-connected object in a rectified view, given by its outer contour.
+
+    contour_px: (N, 2) [px], sub-pixel, pixel centres at whole numbers; contrast: grey levels by
+    which the object differs from its background; cut: whether the image border cuts it off;
+    fault: why it must not be matched, a reason of `refusal.REASONS`, or empty.
+    """
+
+    contour_px: Floats
+    contrast: float
+    cut: bool = False
+    fault: str = ""
+
+    def __post_init__(self) -> None:
+        contour = floats("contour_px", self.contour_px, None, 2)
+        if len(contour) < 3:
+            raise ArrayError(f"contour_px has {len(contour)} points, needs 3")
+        object.__setattr__(self, "contour_px", contour)
+
+    @cached_property
+    def area_px2(self) -> float:
+        """Area inside the contour [px²]."""
+        return abs(_signed_area(self.contour_px))
+
+    @cached_property
+    def centroid_px(self) -> Floats:
+        """Centre of gravity (2,) of the area inside the contour (Green's theorem) [px]."""
+        origin = self.contour_px.mean(axis=0)
+        here = self.contour_px - origin
+        ahead = np.roll(here, -1, axis=0)
+        cross = here[:, 0] * ahead[:, 1] - ahead[:, 0] * here[:, 1]
+        return np.asarray(origin + ((here + ahead) * cross[:, None]).sum(axis=0) / (3 * cross.sum()))
+
+    @cached_property
+    def rows_px(self) -> tuple[float, float]:
+        """Top and bottom row of the contour [px]."""
+        return float(self.contour_px[:, 1].min()), float(self.contour_px[:, 1].max())
+
+    @cached_property
+    def rectangle(self) -> tuple[float, float, float]:
+        """Length and width [px] of the smallest enclosing rectangle, and the length's direction [rad]."""
+        _, (a, b), degrees = cv2.minAreaRect(self.contour_px.astype(np.float32))
+        if a < b:
+            a, b, degrees = b, a, degrees + 90
+        return float(a), float(b), float(np.deg2rad((degrees + 90) % 180 - 90))
+
+    @cached_property
+    def concavity(self) -> float:
+        """Depth of the deepest notch in the outline, as a part of the object's width.
+
+        The outline of a convex part is convex, from wherever one looks.
+        """
+        outline = np.round(self.contour_px * 16).astype(np.int32)
+        hull = cv2.convexHull(outline, returnPoints=False)
+        hull[::-1].sort(axis=0)
+        defects = cv2.convexityDefects(outline, hull) if len(hull) > 3 else None
+        if defects is None:
+            return 0.0
+        depth_px = float(defects[..., 3].max()) / 256 / 16
+        return depth_px / max(self.rectangle[1], 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Blobs:
+    """The objects found in both rectified views, and the polarity that both were found with."""
+
+    left: tuple[Blob, ...]
+    right: tuple[Blob, ...]
+    polarity: str
+
+    def sound(self) -> tuple[list[Blob], list[Blob]]:
+        """The objects of the left and of the right view that may be matched."""
+        return [blob for blob in self.left if not blob.fault], [blob for blob in self.right if not blob.fault]
+
+    def refusals(self) -> tuple[Refusal, ...]:
+        """The objects that may not be matched, with the reason."""
+        left = [Refusal(blob.fault, blob.centroid_px, None) for blob in self.left if blob.fault]
+        right = [Refusal(blob.fault, None, blob.centroid_px) for blob in self.right if blob.fault]
+        return tuple(left + right)
+
+
+def _signed_area(contour: Floats) -> float:
+    x, y = contour.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))

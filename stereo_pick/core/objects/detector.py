@@ -1,0 +1,88 @@
+"""Segmentation of both views into objects (thesis 3.7.2, steps 1 to 5)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects.blob import Blob, Blobs
+from stereo_pick.core.objects.foreground import Contrast, foreground, measure_contrast
+from stereo_pick.core.objects.outline import outlines
+from stereo_pick.core.objects.view import View
+from stereo_pick.core.params import Configurable, parameter
+
+
+@dataclass(frozen=True)
+class Detector(Configurable):
+    """Finds the objects in each view of a rectified pair."""
+
+    threshold: str = parameter(
+        "background",
+        "How object pixels are told from the background: by a model of the empty surface and its noise, "
+        "by Otsu's histogram method, or by one fixed grey level.",
+        choices=("background", "otsu", "fixed"),
+    )
+    fixed_threshold: int = parameter(128, "Grey level for threshold = fixed.", low=0, high=255)
+    threshold_sigma: float = parameter(
+        6.0, "Contrast, in sigmas of the background, from which a pixel may belong to an object.", low=2.0, high=50.0
+    )
+    polarity: str = parameter(
+        "auto", "Whether objects are brighter or darker than their background; auto finds out.",
+        choices=("auto", "bright", "dark"),
+    )
+    min_area_px: int = parameter(60, "Objects of fewer pixels are noise (thesis 3.7.2, step 3).", low=1, high=1000000)
+    min_contrast: int = parameter(
+        10, "Objects that differ by fewer grey levels from their background are stains.", low=1, high=255
+    )
+    min_relative_contrast: float = parameter(
+        0.15, "The same, as a part of the strongest object's contrast in that view.", low=0.0, high=1.0
+    )
+    max_concavity: float = parameter(
+        0.15,
+        "Depth of the deepest notch in an outline, as a part of its width, from which it is refused as merged: the "
+        "outline of one convex part has none, that of touching or half-lit parts has. 10 accepts every outline.",
+        low=0.01, high=10.0,
+    )
+    closing_px: int = parameter(3, "Gaps up to this width are closed (step 4); 0 closes none.", low=0, high=99)
+    subpixel: bool = parameter(True, "Refine each outline to the half-way grey level; false is the thesis's pixel mask.")
+
+    def detect(self, pair: RectifiedPair) -> Blobs:
+        """Return the objects of both views, left to right.
+
+        With polarity = auto both views are read both ways, and the way with more contrast energy
+        (area x contrast²) wins, for both views together: a shadow is a weaker mark than its object.
+        """
+        views = View.of(pair.left, pair.rig.left), View.of(pair.right, pair.rig.right)
+        contrasts = [
+            measure_contrast(view, self.threshold, self.fixed_threshold, self.threshold_sigma) for view in views
+        ]
+        polarities = ("bright", "dark") if self.polarity == "auto" else (self.polarity,)
+        readings = [
+            Blobs(*(self._find(*each, polarity) for each in zip(views, contrasts)), polarity) for polarity in polarities
+        ]
+        best = max(readings, key=_contrast_energy)
+        return Blobs(self._judged(best.left), self._judged(best.right), best.polarity)
+
+    def _find(self, view: View, contrast: Contrast, polarity: str) -> tuple[Blob, ...]:
+        fore = foreground(view, contrast, polarity)
+        found = outlines(view, fore, self.min_area_px, self.closing_px, self.subpixel)
+        return tuple(sorted(found, key=lambda blob: float(blob.centroid_px[0])))
+
+
+    def _judged(self, blobs: tuple[Blob, ...]) -> tuple[Blob, ...]:
+        strongest = max((blob.contrast for blob in blobs), default=0.0)
+        least = max(float(self.min_contrast), self.min_relative_contrast * strongest)
+        return tuple(replace(blob, fault=self._fault(blob, least)) for blob in blobs)
+
+    def _fault(self, blob: Blob, min_contrast: float) -> str:
+        if blob.contrast < min_contrast:
+            return "faint"
+        if blob.cut:
+            return "cut_by_border"
+        if blob.concavity > self.max_concavity:
+            return "merged"
+        return ""
+
+
+def _contrast_energy(blobs: Blobs) -> float:
+    return sum(blob.area_px2 * blob.contrast**2 for blob in blobs.left + blobs.right if not blob.cut)

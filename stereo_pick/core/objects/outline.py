@@ -1,0 +1,62 @@
+"""From object pixels to outlines (thesis 3.7.2, steps 3 to 5): noise out, gaps closed, holes filled, boundary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.objects.blob import Blob
+from stereo_pick.core.objects.foreground import Foreground
+from stereo_pick.core.objects.silhouette import refine_contour
+from stereo_pick.core.objects.view import View
+
+_MIN_CONTRAST_SIGMA = 3.0
+
+
+def outlines(view: View, fore: Foreground, min_area_px: int, closing_px: int, subpixel: bool) -> Iterator[Blob]:
+    """Yield the objects of one view; `subpixel` refines each outline to the half-way grey level."""
+    mask = cv2.medianBlur(fore.mask.astype(np.uint8), 3)  # salt and pepper
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    for label in range(1, count):
+        if stats[label, cv2.CC_STAT_AREA] < min_area_px:
+            continue
+        x, y, width, height = stats[label, : cv2.CC_STAT_AREA]
+        window = np.s_[y : y + height, x : x + width]
+        member = labels[window] == label
+        for pixels, contrast in _trimmed(member, fore.excess[window], fore.trim, min_area_px, closing_px):
+            contour = _outer_contour(pixels) + (x - closing_px, y - closing_px)
+            yield _blob(view, contour, contrast, fore.noise, subpixel)
+
+
+def _trimmed(
+    member: Bools, excess: NDArray[np.float32], trim: float, min_area_px: int, closing_px: int
+) -> Iterator[tuple[NDArray[np.uint8], float]]:
+    """Cut the glow or shadow off a component, close and fill it; yield what is left, in pieces, with their contrast."""
+    kept = (member & (excess > trim * np.median(excess[member]))).astype(np.uint8)
+    kept = cv2.copyMakeBorder(kept, *([closing_px] * 4), cv2.BORDER_CONSTANT, value=0)  # type: ignore[assignment]
+    excess = cv2.copyMakeBorder(excess, *([closing_px] * 4), cv2.BORDER_CONSTANT, value=0)  # type: ignore[assignment]
+    if closing_px:
+        kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (closing_px, closing_px))
+        kept = cv2.morphologyEx(kept, cv2.MORPH_CLOSE, kernel)  # type: ignore[assignment]
+    contours, _ = cv2.findContours(kept, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    for contour in contours:
+        filled = np.zeros_like(kept)
+        cv2.drawContours(filled, [contour], -1, 1, cv2.FILLED)
+        if cv2.countNonZero(filled) >= min_area_px and len(contour) >= 3:
+            yield filled, float(np.median(excess[(filled & kept).astype(np.bool_)]))
+
+
+def _outer_contour(pixels: NDArray[np.uint8]) -> Floats:
+    contours, _ = cv2.findContours(pixels, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    return np.asarray(max(contours, key=len)[:, 0], np.float64)
+
+
+def _blob(view: View, contour: Floats, contrast: float, noise: float, subpixel: bool) -> Blob:
+    columns, rows = contour.astype(np.int64).T
+    cut = not bool(view.core[rows, columns].all())
+    refined = refine_contour(view.sharp, contour, _MIN_CONTRAST_SIGMA * noise) if subpixel else contour
+    return Blob(refined, contrast, cut)

@@ -1,0 +1,58 @@
+"""The way of a frame: five calls, in order. The ROS nodes make one of them each; offline, all are made here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from stereo_pick.core.correspondence import Correspondences, Method
+from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.frames import RectifiedPair, StereoFrame
+from stereo_pick.core.objects import Blobs, Detector
+from stereo_pick.core.poses import ObjectPoses, estimate_poses
+from stereo_pick.core.rectification import Rectifier
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.triangulation import Triangulator
+
+
+@dataclass(frozen=True)
+class Result:
+    """What became of one frame."""
+
+    pair: RectifiedPair
+    blobs: Blobs
+    correspondences: Correspondences
+    poses: ObjectPoses
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The configured steps of the pipeline."""
+
+    detector: Detector = field(default_factory=Detector)
+    method: Method = field(default_factory=Feature)
+    triangulator: Triangulator = field(default_factory=Triangulator)
+
+    def correspond(self, pair: RectifiedPair) -> tuple[Blobs, Correspondences]:
+        """Find the objects and match them."""
+        blobs = self.detector.detect(pair)
+        return blobs, self.method.match(pair, blobs)
+
+    def locate(self, correspondences: Correspondences, rig: StereoRig, stamp_ns: int) -> ObjectPoses:
+        """Triangulate what was matched."""
+        points = self.triangulator.triangulate(correspondences, rig)
+        return estimate_poses(points, correspondences, rig, stamp_ns)
+
+
+class Pipeline:
+    """Raw pairs to object poses, for one rig."""
+
+    def __init__(self, rig: StereoRig, steps: Steps) -> None:
+        self.rig = rig
+        self.steps = steps
+        self._rectifier = Rectifier(rig)
+
+    def run(self, frame: StereoFrame) -> Result:
+        """Return the poses of one raw pair and all that led to them; raises ImageError on a wrong image size."""
+        pair = self._rectifier.rectify(frame)
+        blobs, correspondences = self.steps.correspond(pair)
+        return Result(pair, blobs, correspondences, self.steps.locate(correspondences, self.rig, frame.stamp_ns))

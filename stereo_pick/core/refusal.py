@@ -1,0 +1,49 @@
+"""What was seen but not turned into a pose, and why: refuse, never guess."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from stereo_pick.core.arrays import Floats, floats
+
+REASONS = {
+    "faint": "differs too little from the background to be an object",
+    "cut_by_border": "reaches the border of the image, so its centroid is unknown",
+    "merged": "its outline has a deep notch: touching parts, a half-lit part, or a part that is not convex",
+    "left_only": "no object in the right view fits it",
+    "right_only": "no object in the left view fits it",
+    "ambiguous": "several objects of the other view fit it equally well",
+    "no_texture": "its surface has too little texture to be found again by correlation (method ssd)",
+    "poor_match": "what correlates best in the right view does not lead back to it, or does not look alike",
+    "behind_camera": "its two rays meet behind the cameras",
+    "ray_gap": "its two rays pass each other at more than max_ray_gap_m",
+    "swapped": "the left and the right images are exchanged: the objects fit only the other way round",
+}
+"""Every reason for a refusal, and what it means."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refusal:
+    """Something seen in the left or in the right view, or in both, that gave no pose.
+
+    left_px, right_px: (2,) in the rectified views [px], None where it was not seen; detail: the measured value.
+    """
+
+    reason: str
+    left_px: Floats | None
+    right_px: Floats | None
+    detail: str = ""
+
+    def __post_init__(self) -> None:
+        if self.reason not in REASONS:
+            raise ValueError(f"unknown reason {self.reason!r}; known are {', '.join(REASONS)}")
+        for side in ("left_px", "right_px"):
+            if getattr(self, side) is not None:
+                object.__setattr__(self, side, floats(side, getattr(self, side), 2))
+
+
+def count_reasons(refused: Iterable[Refusal]) -> dict[str, int]:
+    """How often each reason occurs."""
+    return dict(Counter(refusal.reason for refusal in refused))
