@@ -1,0 +1,44 @@
+"""Whether the left and the right images are exchanged.
+
+On cameras that look towards each other, exchanged images can give depths that look quite possible. What gives them
+away is that the objects fit better the other way round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.assignment import assign
+from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.objects import Blob, Blobs
+from stereo_pick.core.rig import StereoRig
+
+_CONVINCING_COST = 0.1  # on the scale of `Feature.cost`, where 1 is barely possible
+_CLEARLY_WORSE = 4.0
+
+
+def looks_exchanged(blobs: Blobs, rig: StereoRig) -> bool:
+    """Whether the objects fit between the views only, or clearly better, when left and right change places."""
+    left, right = blobs.sound()
+    count, cost = _fit(left, right, rig)
+    if count == min(len(left), len(right)) and cost < _CONVINCING_COST:
+        return False
+    other_count, other_cost = _fit(_seen_by(right, rig.right, rig.left), _seen_by(left, rig.left, rig.right), rig)
+    return other_count > count or (0 < other_count == count and cost > _CLEARLY_WORSE * other_cost)
+
+
+def _fit(left: list[Blob], right: list[Blob], rig: StereoRig) -> tuple[int, float]:
+    """How many objects can be paired, and the mean cost of the pairs."""
+    feature = Feature()
+    cost = feature.cost(left, right, feature.disparities_px(rig))
+    pairs = assign(cost, unmatched_cost=1.0)
+    return len(pairs), float(np.mean([cost[pair] for pair in pairs])) if pairs else np.inf
+
+
+def _seen_by(blobs: Sequence[Blob], taken_for: Camera, real: Camera) -> list[Blob]:
+    """The outlines as the other camera's calibration would have rectified them."""
+    return [replace(blob, contour_px=real.rectified(taken_for.unrectified(blob.contour_px))) for blob in blobs]
