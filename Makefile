@@ -1,0 +1,52 @@
+# The environment lives in .venv, made once from the hashed lock; `make help` lists the targets.
+PYTHON ?= python3
+# A sourced ROS 2 must not mix in: .venv brings its own.
+CLEAN_ENV := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH
+BIN := .venv/bin
+UV := $(CLEAN_ENV) UV_NO_CONFIG=1 VIRTUAL_ENV=.venv $(BIN)/uv
+PIP := $(CLEAN_ENV) $(BIN)/python -m pip --disable-pip-version-check
+EDITABLE := --no-deps --no-build-isolation --editable .
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test check bench lock clean
+
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-7s %s\n", $$1, $$2}' Makefile
+
+setup: .venv/package.stamp ## make .venv: Python, ROS 2 and the tools (PYTHON=python3.12 chooses another Python)
+
+demo: setup ## object poses of the demo bag, into demo_output
+	$(CLEAN_ENV) $(BIN)/stereo-pick demo --output demo_output
+
+test: setup ## run the tests
+	$(CLEAN_ENV) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest -n 2
+
+check: setup ## lint, format and types
+	$(CLEAN_ENV) $(BIN)/ruff check
+	$(CLEAN_ENV) $(BIN)/ruff format --check
+	$(CLEAN_ENV) $(BIN)/mypy --strict stereo_pick
+
+bench: setup ## print the figures that the docs quote
+	$(CLEAN_ENV) $(BIN)/python benchmark/accuracy.py
+
+lock: setup ## bring requirements.lock up to date: one lock for Python 3.10 to 3.13
+	$(UV) pip compile setup.py --extra wheels --extra test --extra dev --universal --python-version 3.10 \
+		--generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate \
+		--custom-compile-command "make lock" --upgrade --quiet --output-file requirements.lock
+
+clean: ## remove everything that make made
+	rm -rf .venv build install log demo_output *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis
+
+# uv comes first, out of the lock by its hashes; where it has no wheel or fails, pip does its work.
+.venv/lock.stamp: requirements.lock
+	$(CLEAN_ENV) $(PYTHON) -m venv --clear .venv
+	awk '/^[a-z]/ {uv = /^uv==/} uv' $< > .venv/uv.txt
+	awk '/^[a-z]/ {uv = /^uv==/} !uv' $< > .venv/all.txt
+	$(PIP) install --quiet --require-hashes --only-binary :all: -r .venv/uv.txt \
+		&& $(UV) pip install --quiet --require-hashes -r $< \
+		|| $(PIP) install --quiet --require-hashes -r .venv/all.txt
+	touch $@
+
+.venv/package.stamp: .venv/lock.stamp setup.py setup.cfg stereo_pick/__init__.py
+	$(UV) pip install --quiet $(EDITABLE) || $(PIP) install --quiet $(EDITABLE)
+	touch $@
