@@ -27,9 +27,7 @@ def floats(name: str, value: ArrayLike, *shape: int | None) -> Floats:
     Raises ArrayError, naming the array, on another shape or on values that are not finite.
     """
     array: Floats = np.array(value, dtype=np.float64)
-    if len(array.shape) != len(shape) or any(
-        want not in (None, have) for have, want in zip(array.shape, shape)
-    ):
+    if len(array.shape) != len(shape) or any(want not in (None, have) for have, want in zip(array.shape, shape)):
         wanted = tuple("any" if n is None else n for n in shape)
         raise ArrayError(f"{name} has shape {array.shape}, must have {wanted}")
     if not np.isfinite(array).all():

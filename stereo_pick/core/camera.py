@@ -66,7 +66,12 @@ class Camera:
             undistorted = cv2.fisheye.undistortPoints(points, self.K, self.D)
         else:
             undistorted = cv2.undistortPointsIter(
-                points, self.K, self.D, np.eye(3), np.eye(3), (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-10)
+                points,
+                self.K,
+                self.D,
+                np.eye(3),
+                np.eye(3),
+                (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-10),
             )
         return np.asarray(undistorted, np.float64).reshape(-1, 2)
 

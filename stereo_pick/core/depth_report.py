@@ -11,7 +11,7 @@ from stereo_pick.core.arrays import Floats
 
 @dataclass(frozen=True)
 class DepthBetween:
-    """Depth between two objects, `Z(second) - Z(first)` in the left camera's optical frame [m]; objects count from 1."""
+    """Depth between two objects, `Z(second) - Z(first)` in the left optical frame [m]; objects count from 1."""
 
     first: int
     second: int
@@ -39,9 +39,7 @@ class DepthError:
 
 def depths_between(xyz: Floats) -> list[DepthBetween]:
     """The depth between every two of N objects at `xyz` (N, 3) [m]."""
-    return [
-        DepthBetween(a + 1, b + 1, float(xyz[b, 2] - xyz[a, 2])) for a, b in combinations(range(len(xyz)), 2)
-    ]
+    return [DepthBetween(a + 1, b + 1, float(xyz[b, 2] - xyz[a, 2])) for a, b in combinations(range(len(xyz)), 2)]
 
 
 def depth_table(rows: Sequence[DepthError]) -> str:

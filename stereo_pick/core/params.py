@@ -25,9 +25,14 @@ def parameter(
     low: float | None = None,
     high: float | None = None,
     choices: tuple[str, ...] = (),
+    fixed: bool = False,
 ) -> Any:
-    """Declare a parameter as a dataclass field: its default, legal range and meaning."""
-    return field(default=default, metadata={"doc": doc, "low": low, "high": high, "choices": choices})
+    """Declare a parameter as a dataclass field: its default, legal range and meaning.
+
+    fixed: it is read once, at the start, and cannot be changed in a running node.
+    """
+    declared = {"doc": doc, "low": low, "high": high, "choices": choices, "fixed": fixed}
+    return field(default=default, metadata=declared)
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,8 @@ class Parameter:
     doc: str
     low: float | None
     high: float | None
-    choices: tuple[str, ...]
+    choices: tuple[str, ...] = ()
+    fixed: bool = False
 
     def checked(self, value: object) -> Value:
         """Return `value` in the parameter's own type, or raise ParameterError."""
@@ -54,7 +60,7 @@ class Parameter:
             raise ParameterError(f"{self.name} = {value!r} must be one of: {', '.join(self.choices)}")
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             self._check_range(value)
-        return value  # type: ignore[return-value]
+        return value
 
     def parsed(self, text: str) -> Value:
         """Read a value from a command line's text, in the parameter's own type."""
@@ -97,7 +103,7 @@ class Configurable:
     def parameters(cls) -> tuple[Parameter, ...]:
         """The declared parameters, in order."""
         return tuple(
-            Parameter(f.name, f.default, f.metadata["doc"], f.metadata["low"], f.metadata["high"], f.metadata["choices"])
+            Parameter(f.name, f.default, **f.metadata)
             for f in fields(cls)
             if "doc" in f.metadata and f.default is not MISSING
         )

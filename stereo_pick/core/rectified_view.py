@@ -74,7 +74,8 @@ def _extent(camera: Camera, R: Floats) -> Floats:
     rays = np.c_[camera.normalized(grid), np.ones(len(grid))] @ R.T
     rays = rays[rays[:, 2] > 0.1 * np.linalg.norm(rays, axis=1)]
     points = rays[:, :2] / rays[:, 2:]
-    return np.percentile(points, [_LOST_PERCENT, 100 - _LOST_PERCENT], axis=0)
+    bounds: Floats = np.percentile(points, [_LOST_PERCENT, 100 - _LOST_PERCENT], axis=0)
+    return bounds
 
 
 def _common_rows(left: Floats, right: Floats) -> Floats:

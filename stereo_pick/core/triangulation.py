@@ -63,7 +63,10 @@ class Triangulator(Configurable):
         apart = ~behind & (gap > self.max_ray_gap_m)
         row = np.flatnonzero(~behind & ~apart)
         refused = [
-            *(Refusal("behind_camera", left_px[i], right_px[i], f"z = {left[i, 2]:.3f} m") for i in np.flatnonzero(behind)),
+            *(
+                Refusal("behind_camera", left_px[i], right_px[i], f"z = {left[i, 2]:.3f} m")
+                for i in np.flatnonzero(behind)
+            ),
             *(Refusal("ray_gap", left_px[i], right_px[i], f"{gap[i] * 1000:.1f} mm") for i in np.flatnonzero(apart)),
         ]
         covariance = _covariance(left_px, right_px, correspondences.sigma_px, rig)

@@ -21,7 +21,9 @@ def assign(cost: Floats, unmatched_cost: float) -> list[tuple[int, int]]:
     np.fill_diagonal(dummies, unmatched_cost)
     wide = np.hstack([np.where(np.isfinite(cost), cost, forbidden), dummies])
     row_of = _solve(wide)
-    return [(int(row), column) for column, row in enumerate(row_of[:columns]) if row >= 0 and np.isfinite(cost[row, column])]
+    return [
+        (int(row), column) for column, row in enumerate(row_of[:columns]) if row >= 0 and np.isfinite(cost[row, column])
+    ]
 
 
 def _solve(cost: Floats) -> list[int]:

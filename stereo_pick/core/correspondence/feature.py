@@ -36,15 +36,19 @@ class Feature(Method):
         1.5, "By how many rows an object's top, bottom and centroid may differ between the views.", low=0.1, high=50.0
     )
     shape_tolerance: float = parameter(
-        0.03, "The same, in addition, as a part of the object's height: hollow parts look different from two sides.",
-        low=0.0, high=0.5,
+        0.03,
+        "The same, in addition, as a part of the object's height: hollow parts look different from two sides.",
+        low=0.0,
+        high=0.5,
     )
     max_area_ratio: float = parameter(
         1.5, "By what factor an object's areas in the two views may differ.", low=1.0, high=10.0
     )
     ambiguity_margin: float = parameter(
-        0.25, "How much better (0 the same, 1 from perfect to barely possible) a match must be than what is left over.",
-        low=0.0, high=1.0,
+        0.25,
+        "How much better (0 the same, 1 from perfect to barely possible) a match must be than what is left over.",
+        low=0.0,
+        high=1.0,
     )
 
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:

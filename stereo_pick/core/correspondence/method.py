@@ -33,7 +33,7 @@ class Method(Configurable, ABC):
         """Return the matched objects of a rectified pair, and those refused."""
 
     def disparities_px(self, rig: StereoRig) -> tuple[float, float]:
-        """Least and greatest `u_left - u_right` [px] of the depth range (eq. 1.34; with unequal cx, their difference)."""
+        """Least and greatest `u_left - u_right` [px] of the depth range (eq. 1.34, plus the difference of the cx)."""
         offset = float(rig.left.P[0, 2] - rig.right.P[0, 2])
         scale = rig.focal_px * rig.baseline_m
         return scale / self.max_depth_m + offset, scale / self.min_depth_m + offset

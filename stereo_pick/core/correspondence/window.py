@@ -65,4 +65,4 @@ def refine(one: Grey, other: Grey, centre_px: Floats, column_px: float, window_p
 
 
 def _slope(window: Grey) -> Grey:
-    return (window[:, 2:] - window[:, :-2]) / 2
+    return (window[:, 2:] - window[:, :-2]) * np.float32(0.5)

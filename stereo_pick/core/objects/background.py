@@ -50,7 +50,7 @@ def _terms(u: Floats, v: Floats) -> Floats:
     return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
 
 
-def _surface(c: Floats, width: int, height: int) -> NDArray[np.float32]:
+def _surface(c: NDArray[np.floating], width: int, height: int) -> NDArray[np.float32]:
     u = (np.arange(width) / width - 0.5)[None, :]
     v = (np.arange(height) / height - 0.5)[:, None]
     surface = (c[0] + c[1] * u + c[3] * u * u) + (c[2] * v + c[5] * v * v) + c[4] * u * v

@@ -27,7 +27,8 @@ class Detector(Configurable):
         6.0, "Contrast, in sigmas of the background, from which a pixel may belong to an object.", low=2.0, high=50.0
     )
     polarity: str = parameter(
-        "auto", "Whether objects are brighter or darker than their background; auto finds out.",
+        "auto",
+        "Whether objects are brighter or darker than their background; auto finds out.",
         choices=("auto", "bright", "dark"),
     )
     min_area_px: int = parameter(60, "Objects of fewer pixels are noise (thesis 3.7.2, step 3).", low=1, high=1000000)
@@ -41,10 +42,13 @@ class Detector(Configurable):
         0.15,
         "Depth of the deepest notch in an outline, as a part of its width, from which it is refused as merged: the "
         "outline of one convex part has none, that of touching or half-lit parts has. 10 accepts every outline.",
-        low=0.01, high=10.0,
+        low=0.01,
+        high=10.0,
     )
     closing_px: int = parameter(3, "Gaps up to this width are closed (step 4); 0 closes none.", low=0, high=99)
-    subpixel: bool = parameter(True, "Refine each outline to the half-way grey level; false is the thesis's pixel mask.")
+    subpixel: bool = parameter(
+        True, "Refine each outline to the half-way grey level; false is the thesis's pixel mask."
+    )
 
     def detect(self, pair: RectifiedPair) -> Blobs:
         """Return the objects of both views, left to right.
@@ -58,7 +62,8 @@ class Detector(Configurable):
         ]
         polarities = ("bright", "dark") if self.polarity == "auto" else (self.polarity,)
         readings = [
-            Blobs(*(self._find(*each, polarity) for each in zip(views, contrasts)), polarity) for polarity in polarities
+            Blobs(self._find(views[0], contrasts[0], polarity), self._find(views[1], contrasts[1], polarity), polarity)
+            for polarity in polarities
         ]
         best = max(readings, key=_contrast_energy)
         return Blobs(self._judged(best.left), self._judged(best.right), best.polarity)
@@ -67,7 +72,6 @@ class Detector(Configurable):
         fore = foreground(view, contrast, polarity)
         found = outlines(view, fore, self.min_area_px, self.closing_px, self.subpixel)
         return tuple(sorted(found, key=lambda blob: float(blob.centroid_px[0])))
-
 
     def _judged(self, blobs: tuple[Blob, ...]) -> tuple[Blob, ...]:
         strongest = max((blob.contrast for blob in blobs), default=0.0)

@@ -37,11 +37,10 @@ def _trimmed(
 ) -> Iterator[tuple[NDArray[np.uint8], float]]:
     """Cut the glow or shadow off a component, close and fill it; yield what is left, in pieces, with their contrast."""
     kept = (member & (excess > trim * np.median(excess[member]))).astype(np.uint8)
-    kept = cv2.copyMakeBorder(kept, *([closing_px] * 4), cv2.BORDER_CONSTANT, value=0)  # type: ignore[assignment]
-    excess = cv2.copyMakeBorder(excess, *([closing_px] * 4), cv2.BORDER_CONSTANT, value=0)  # type: ignore[assignment]
+    kept, excess = np.pad(kept, closing_px), np.pad(excess, closing_px)
     if closing_px:
         kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (closing_px, closing_px))
-        kept = cv2.morphologyEx(kept, cv2.MORPH_CLOSE, kernel)  # type: ignore[assignment]
+        kept = np.asarray(cv2.morphologyEx(kept, cv2.MORPH_CLOSE, kernel), np.uint8)
     contours, _ = cv2.findContours(kept, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     for contour in contours:
         filled = np.zeros_like(kept)

@@ -1,0 +1,86 @@
+"""All parameters of the pipeline's steps, by their full names: `segmentation.polarity`, `ssd.window_px`, ...
+
+The ROS nodes, the command line, the YAML file and the documentation use these names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import TypeVar
+
+from stereo_pick.core.correspondence import method_named, methods
+from stereo_pick.core.errors import ParameterError
+from stereo_pick.core.objects import Detector
+from stereo_pick.core.params import Configurable, Parameter, Value
+from stereo_pick.core.pipeline import Steps
+from stereo_pick.core.triangulation import Triangulator
+
+DEFAULT_METHOD = "feature"
+
+Values = Mapping[str, object]
+Step = TypeVar("Step", bound=Configurable)
+
+
+def method_parameter() -> Parameter:
+    """The parameter that chooses the correspondence method."""
+    return Parameter(
+        "method", DEFAULT_METHOD, "How objects are found again in the right view.", None, None, tuple(methods())
+    )
+
+
+def correspondence_groups() -> dict[str, type[Configurable]]:
+    """The configurable parts of the correspondence step, by prefix."""
+    return {"segmentation": Detector, **methods()}
+
+
+def triangulation_groups() -> dict[str, type[Configurable]]:
+    """The configurable parts of the triangulation step, by prefix."""
+    return {"triangulation": Triangulator}
+
+
+def declared(groups: Mapping[str, type[Configurable]]) -> dict[str, Parameter]:
+    """The parameters of `groups` by their full names; the group '' has no prefix."""
+    return {
+        f"{prefix}.{parameter.name}" if prefix else parameter.name: parameter
+        for prefix, group in groups.items()
+        for parameter in group.parameters()
+    }
+
+
+def configured(group: type[Step], prefix: str, values: Values) -> Step:
+    """Build one group from full names and values; names of other groups are passed over."""
+    own = declared({prefix: group})
+    return group.from_mapping({own[name].name: value for name, value in values.items() if name in own})
+
+
+def steps(values: Values) -> Steps:
+    """Build the pipeline's steps from full names and values; raises ParameterError on an unknown name or bad value."""
+    known = pipeline_parameters()
+    for name in values:
+        if name not in known:
+            raise ParameterError(f"there is no parameter {name!r}; there are: {', '.join(known)}")
+    name = str(values.get("method", DEFAULT_METHOD))
+    return Steps(
+        detector=configured(Detector, "segmentation", values),
+        method=configured(method_named(name), name, values),
+        triangulator=configured(Triangulator, "triangulation", values),
+    )
+
+
+def pipeline_parameters() -> dict[str, Parameter]:
+    """Every parameter of the pipeline by its full name."""
+    return {"method": method_parameter(), **declared({**correspondence_groups(), **triangulation_groups()})}
+
+
+def parsed(assignments: Iterable[str]) -> dict[str, Value]:
+    """Read `name=value` texts; raises ParameterError on an unknown name or a bad value."""
+    known = pipeline_parameters()
+    values: dict[str, Value] = {}
+    for assignment in assignments:
+        name, equals, text = assignment.partition("=")
+        if not equals:
+            raise ParameterError(f"{assignment!r} must have the form name=value")
+        if name not in known:
+            raise ParameterError(f"there is no parameter {name!r}; there are: {', '.join(known)}")
+        values[name] = known[name].parsed(text)
+    return values

@@ -1,0 +1,161 @@
+"""Pictures as they are stored and sent, decoded to 8-bit grey or BGR."""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stereo_pick.core.arrays import Image, frozen
+from stereo_pick.core.errors import ImageError, ParameterError
+
+Bytes: TypeAlias = "bytes | bytearray | memoryview | array[int] | NDArray[np.uint8]"
+
+
+@dataclass(frozen=True)
+class _Encoding:
+    channels: int
+    bytes_per_channel: int = 1
+    to_bgr: int | None = None
+
+
+_ENCODINGS = {
+    "mono8": _Encoding(1),
+    "8UC1": _Encoding(1),
+    "mono16": _Encoding(1, bytes_per_channel=2),
+    "16UC1": _Encoding(1, bytes_per_channel=2),
+    "bgr8": _Encoding(3),
+    "8UC3": _Encoding(3),
+    "rgb8": _Encoding(3, to_bgr=cv2.COLOR_RGB2BGR),
+    "bgra8": _Encoding(4, to_bgr=cv2.COLOR_BGRA2BGR),
+    "rgba8": _Encoding(4, to_bgr=cv2.COLOR_RGBA2BGR),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class ImageBuffer:
+    """The content of a sensor_msgs/Image, unchecked: `pixels` checks it.
+
+    step_bytes: length of a row, padding included; data: row after row, `bytes(data)` gives a message's data.
+    """
+
+    width_px: int
+    height_px: int
+    step_bytes: int
+    encoding: str
+    is_bigendian: bool
+    data: Bytes
+
+
+def pixels(buffer: ImageBuffer, full_scale_16: int = 65535, what: str = "image") -> Image:
+    """Decode to a read-only grey (H, W) or BGR (H, W, 3) uint8 image; a view of the data where that is possible.
+
+    full_scale_16: the 16-bit value that becomes 255 (4095 for a 12-bit camera); higher ones become 255 too.
+    Raises ImageError, naming `what`, on an unknown encoding, a size of zero, a step shorter than a row
+    or data shorter than its rows; ParameterError on a full scale outside 1 .. 65535.
+    """
+    encoding = _encoding(buffer, what)
+    rows = _rows(buffer, encoding, what)
+    if encoding.bytes_per_channel == 2:
+        deep = rows.view(">u2" if buffer.is_bigendian else "<u2")
+        # OpenCV takes no row length that is odd or misaligned for 16 bits.
+        return _shallow(np.require(deep, np.uint16, ["C", "A"]), full_scale_16)
+    if encoding.channels == 1:
+        return frozen(rows)
+    colour = rows.reshape(buffer.height_px, buffer.width_px, encoding.channels)
+    if encoding.to_bgr is not None:
+        colour = np.asarray(cv2.cvtColor(colour, encoding.to_bgr), np.uint8)
+    return frozen(colour)
+
+
+def encode(image: Image) -> ImageBuffer:
+    """Pack a grey (H, W) image as mono8, a BGR one (H, W, 3) as bgr8, without padding."""
+    height, width = image.shape[:2]
+    encoding, channels = ("mono8", 1) if image.ndim == 2 else ("bgr8", 3)
+    return ImageBuffer(width, height, width * channels, encoding, False, image.tobytes())
+
+
+def decode_compressed(data: Bytes, what: str) -> Image:
+    """Decode a PNG, JPEG or any other file that OpenCV knows to grey (H, W) or BGR (H, W, 3), read-only.
+
+    16-bit images are scaled to 8 bit (65535 becomes 255), alpha is dropped, Exif rotation is ignored.
+    Raises ImageError, naming `what`, on data that is no image, cut short, or neither 8 nor 16 bit deep.
+    """
+    encoded = np.frombuffer(data, np.uint8)
+    if len(encoded) == 0:
+        raise ImageError(f"{what} is empty (0 bytes): copy or record it again")
+    try:
+        decoded = cv2.imdecode(encoded, cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        decoded = None
+    if decoded is None or _is_cut_jpeg(encoded):
+        raise ImageError(f"{what} is no image, damaged or cut short ({len(encoded)} bytes): copy or record it again")
+    return _eight_bit_bgr(np.asarray(decoded), what)
+
+
+def read_image(path: Path) -> Image:
+    """Read an image file as `decode_compressed` does; raises ImageError naming the path."""
+    try:
+        data = path.read_bytes()
+    except FileNotFoundError:
+        raise ImageError(f"{path}: no such image file; check the path") from None
+    except OSError as error:
+        raise ImageError(f"{path} cannot be read: {error.strerror}") from None
+    return decode_compressed(data, str(path))
+
+
+def _encoding(buffer: ImageBuffer, what: str) -> _Encoding:
+    known = _ENCODINGS.get(buffer.encoding)
+    if known is not None:
+        return known
+    remedy = f"let the camera driver send one of: {', '.join(_ENCODINGS)}"
+    if buffer.encoding.startswith("bayer_"):
+        remedy = "debayer it upstream (image_proc's DebayerNode), or let the camera driver send mono8 or bgr8"
+    raise ImageError(f"{what} has the unknown encoding {buffer.encoding!r}: {remedy}")
+
+
+def _rows(buffer: ImageBuffer, encoding: _Encoding, what: str) -> Image:
+    """The rows (H, bytes of a row) without their padding, as a view."""
+    width, height, step = buffer.width_px, buffer.height_px, buffer.step_bytes
+    if width <= 0 or height <= 0:
+        raise ImageError(f"{what} is {width} x {height}: its size must be positive; is the camera running?")
+    row_bytes = width * encoding.channels * encoding.bytes_per_channel
+    if step < row_bytes:
+        raise ImageError(
+            f"{what}: step = {step} bytes is shorter than a row of {width} {buffer.encoding} pixels, "
+            f"{row_bytes} bytes: correct the driver's step or encoding"
+        )
+    data = np.frombuffer(buffer.data, np.uint8)
+    if len(data) < step * height:
+        raise ImageError(
+            f"{what}: data holds {len(data)} bytes, but step x height = {step * height}: "
+            "the image is cut short; send or record it again"
+        )
+    return data[: step * height].reshape(height, step)[:, :row_bytes]
+
+
+def _shallow(deep: NDArray[np.uint16], full_scale: int) -> Image:
+    if not 0 < full_scale <= 65535:
+        raise ParameterError(f"full_scale_16 = {full_scale} is outside its range 1 .. 65535")
+    return frozen(np.asarray(cv2.convertScaleAbs(deep, alpha=255 / full_scale), np.uint8))
+
+
+def _eight_bit_bgr(decoded: NDArray[Any], what: str) -> Image:
+    if decoded.dtype == np.uint16:
+        decoded = _shallow(np.asarray(decoded, np.uint16), 65535)
+    if decoded.dtype != np.uint8:
+        raise ImageError(f"{what} holds {decoded.dtype} values: save it with 8 or 16 bits a channel")
+    if decoded.ndim == 3 and decoded.shape[2] == 4:
+        decoded = np.asarray(cv2.cvtColor(decoded, cv2.COLOR_BGRA2BGR))
+    return frozen(np.asarray(decoded, np.uint8))
+
+
+def _is_cut_jpeg(encoded: Image) -> bool:
+    """OpenCV before 4.14 fills what a cut JPEG lacks with grey, and says nothing."""
+    data = encoded.tobytes()
+    return data.startswith(b"\xff\xd8") and data.rfind(b"\xff\xd9") < data.rfind(b"\xff\xda")
