@@ -1,0 +1,1 @@
+"""The ROS 2 side: nodes around the core, their topics, messages and parameters."""

@@ -1,0 +1,1 @@
+"""Making and reading of every message type, one file a type; nodes set no message field themselves."""

@@ -1,0 +1,95 @@
+"""The base of the four nodes: topics with overridable QoS, live parameters, diagnostics, errors that do not kill."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from stereo_pick.core.errors import StereoPickError
+from stereo_pick.core.params import Parameter
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status, diagnostics_message
+from stereo_pick.ros.parameters import LiveParameters, Values
+from stereo_pick.ros.topics import DIAGNOSTICS, Topic
+
+_DIAGNOSTICS_PERIOD_S = 1.0
+
+
+class StepNode(Node):
+    """A node around one step of the pipeline.
+
+    A StereoPickError in a callback drops that message and becomes the node's status: one bad image must not end
+    the node, and must not pass unseen.
+    """
+
+    finished = False
+
+    def __init__(self, name: str, context: Context, parameters: Mapping[str, Parameter]) -> None:
+        super().__init__(name, context=context)
+        self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._error: StereoPickError | None = None
+        self._last_logged = ""
+        self._diagnostics = self.advertise(DIAGNOSTICS)
+        self.parameters = LiveParameters(self, parameters, self.configure, self._reconfigure)
+        self._reconfigure()
+        self.create_timer(_DIAGNOSTICS_PERIOD_S, self.report, clock=self.steady_clock)
+
+    def configure(self, values: Values) -> Any:
+        """Build the node's step from parameter values; raises ParameterError on a value it cannot take."""
+        raise NotImplementedError
+
+    def apply(self, configured: Any) -> None:
+        """Take a newly built step into use."""
+        raise NotImplementedError
+
+    def status(self) -> Status:
+        """How the node is doing, when its last message was processed without error."""
+        return Status(OK, "running")
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Create a publisher whose QoS parameters can override."""
+        options = QoSOverridingOptions.with_default_policies()
+        return self.create_publisher(topic.type, topic.name, topic.qos, qos_overriding_options=options)
+
+    def listen(self, topic: Topic, callback: Callable[[Any], None]) -> None:
+        """Create a subscription whose QoS parameters can override; errors of the callback become the node's status."""
+        options = QoSOverridingOptions.with_default_policies()
+        self.create_subscription(
+            topic.type, topic.name, self._guarded(callback), topic.qos, qos_overriding_options=options
+        )
+
+    def report(self) -> None:
+        """Publish the node's status, and log it where it is new and not OK."""
+        status = self.status() if self._error is None else Status(ERROR, str(self._error))
+        self._error = None
+        if status.level != OK and status.message != self._last_logged:
+            (self.get_logger().error if status.level == ERROR else self.get_logger().warning)(status.message)
+        self._last_logged = status.message
+        now_ns = self.get_clock().now().nanoseconds
+        self._diagnostics.publish(diagnostics_message(f"stereo_pick: {self.get_name()}", status, now_ns))
+
+    def fail(self, error: StereoPickError) -> None:
+        """Make an error the node's status, at once."""
+        self._error = error
+        self.report()
+        self._error = error
+
+    def _reconfigure(self) -> None:
+        self.apply(self.configure(self.parameters.values))
+
+    def _guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        def guarded(message: Any) -> None:
+            try:
+                callback(message)
+            except StereoPickError as error:
+                self._error = error
+                if str(error) != self._last_logged:
+                    self._last_logged = str(error)
+                    self.get_logger().error(str(error))
+
+        return guarded

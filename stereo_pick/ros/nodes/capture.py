@@ -1,0 +1,200 @@
+"""The capture node: a recorded bag or a folder of image pairs to `left|right/image_raw` and `camera_info`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from rclpy.context import Context
+from rosgraph_msgs.msg import Clock
+
+from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.configuration import configured, declared
+from stereo_pick.core.errors import ParameterError, SourceError, StereoPickError
+from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.ros.messages.cameras import camera_info_message
+from stereo_pick.ros.messages.diagnostics import OK, WARN, Status
+from stereo_pick.ros.messages.images import buffer_message
+from stereo_pick.ros.messages.stamps import time_message
+from stereo_pick.ros.node import StepNode
+from stereo_pick.ros.parameters import Values
+from stereo_pick.ros.process import run_nodes
+from stereo_pick.ros.replay_clock import ReplayClock
+from stereo_pick.ros.topics import CAMERA_INFO, CLOCK, IMAGE_RAW, SIDES
+from stereo_pick.sources.source import SourcePair, StereoSource, open_source
+
+_LINGER_S = 1.0  # until the last images have left the process
+_IDLE_S = 0.02
+
+
+@dataclass(frozen=True)
+class CaptureOptions(Configurable):
+    """Where stereo pairs come from, and how fast."""
+
+    source: str = parameter(
+        "", "A bag (mcap, sqlite3 or ROS 1) or a folder of image pairs (left*.png, right*.png).", fixed=True
+    )
+    calibration: str = parameter(
+        "",
+        "Folder with left.yaml and right.yaml, or an OpenCV YAML file; empty takes the bag's own camera_info.",
+        fixed=True,
+    )
+    left_topic: str = parameter("", "The bag's topic of left images; empty finds it by its name.", fixed=True)
+    right_topic: str = parameter("", "The bag's topic of right images; empty finds it by its name.", fixed=True)
+    max_stamp_offset_s: float = parameter(
+        0.01, "By how much the stamps of a left and a right image in the bag may differ.", low=0.0, high=1.0, fixed=True
+    )
+    left_frame_id: str = parameter(
+        "",
+        "Frame of the left camera (REP 103 optical); empty keeps the bag's, or left_camera_optical_frame.",
+        fixed=True,
+    )
+    right_frame_id: str = parameter(
+        "", "Frame of the right camera; empty keeps the bag's, or right_camera_optical_frame.", fixed=True
+    )
+    folder_rate_hz: float = parameter(
+        10.0, "Pairs a second of an image folder, at rate 1.", low=0.01, high=1000.0, fixed=True
+    )
+    rate: float = parameter(1.0, "Speed of the replay, 1 as it was recorded.", low=0.01, high=100.0)
+    loop: bool = parameter(False, "Start over at the end.")
+    publish_clock: bool = parameter(True, "Publish the recorded time on /clock, for nodes with use_sim_time.")
+    wait_for_subscribers_s: float = parameter(
+        5.0, "How long to wait, before the first pair, until somebody listens to both images.", low=0.0, high=3600.0
+    )
+
+
+class CaptureNode(StepNode):
+    """Replays stereo pairs in their own time; done at the end of the recording."""
+
+    def __init__(self, context: Context) -> None:
+        super().__init__("capture", context, declared({"": CaptureOptions}))
+        if not self._options.source:
+            raise ParameterError("parameter source is empty: give a bag or a folder of image pairs")
+        self._source = _opened(self._options)
+        self._rig = _calibration(self._options, self._source)
+        self._pairs: Iterator[SourcePair] = iter(self._source)
+        self._next: SourcePair | None = next(self._pairs, None)
+        self._replay_clock = ReplayClock(self._options.rate)
+        self._published = 0
+        self._started_ns = self.steady_clock.now().nanoseconds
+        self._ended_ns: int | None = None
+        self._failure: StereoPickError | None = None
+        self._images = {side: self.advertise(IMAGE_RAW[side]) for side in SIDES}
+        self._infos = {side: self.advertise(CAMERA_INFO[side]) for side in SIDES}
+        self._clock_topic = self.advertise(CLOCK)
+        self._timer = self.create_timer(_IDLE_S, self._on_timer, clock=self.steady_clock)
+
+    def configure(self, values: Values) -> CaptureOptions:
+        """The options of these parameter values."""
+        return configured(CaptureOptions, "", values)
+
+    def apply(self, configured: CaptureOptions) -> None:
+        """Use rate and loop from now on."""
+        self._options = configured
+        if hasattr(self, "_replay_clock"):
+            self._replay_clock.set_rate(configured.rate, self.steady_clock.now().nanoseconds)
+
+    def status(self) -> Status:
+        """How far the replay is."""
+        if self._published == 0:
+            return Status(WARN, "waiting for subscribers of the images")
+        state = "finished" if self._ended_ns is not None else "replaying"
+        return Status(OK, f"{state} {self._options.source}: {self._published} pairs published")
+
+    def _on_timer(self) -> None:
+        now_ns = self.steady_clock.now().nanoseconds
+        if self._ended_ns is not None:
+            self._end(now_ns - self._ended_ns)
+        elif self._published == 0 and not self._is_awaited(now_ns):
+            return
+        else:
+            self._replay(now_ns)
+
+    def _is_awaited(self, now_ns: int) -> bool:
+        """Whether somebody listens to both images, or has been waited for long enough."""
+        listeners = min(self._images[side].get_subscription_count() for side in SIDES)
+        return listeners > 0 or now_ns - self._started_ns > self._options.wait_for_subscribers_s * 1e9
+
+    def _replay(self, now_ns: int) -> None:
+        """Publish what is due, and sleep until the next pair is."""
+        if self._next is None:
+            self._ended_ns = now_ns
+            return
+        wait_ns = self._replay_clock.until_ns(self._next.recorded_ns, now_ns)
+        if wait_ns <= 0:
+            self._publish(self._next)
+            self._next = self._following()
+            wait_ns = 0 if self._next is None else self._replay_clock.until_ns(self._next.recorded_ns, now_ns)
+        self._timer.timer_period_ns = int(min(max(wait_ns, 1_000_000), _IDLE_S * 1e9))
+
+    def _end(self, since_ns: int) -> None:
+        """Once the last images are out, be done, or say what broke off the recording."""
+        if since_ns < _LINGER_S * 1e9:
+            return
+        if self._failure is not None:
+            raise self._failure
+        self.finished = True
+
+    def _following(self) -> SourcePair | None:
+        try:
+            return self._read()
+        except StereoPickError as error:
+            self._failure = error
+            return None
+
+    def _read(self) -> SourcePair | None:
+        following = next(self._pairs, None)
+        if following is None and self._options.loop:
+            self._pairs = iter(self._source)
+            self._replay_clock = ReplayClock(self._options.rate)
+            following = next(self._pairs, None)
+        return following
+
+    def _publish(self, pair: SourcePair) -> None:
+        stamp_ns = self._stamp_ns(pair)
+        if self._options.publish_clock:
+            self._clock_topic.publish(Clock(clock=time_message(stamp_ns)))
+        cameras = {"left": self._rig.left, "right": self._rig.right}
+        buffers = {"left": pair.left, "right": pair.right}
+        frame_ids = {
+            "left": self._options.left_frame_id or pair.left_frame_id or "left_camera_optical_frame",
+            "right": self._options.right_frame_id or pair.right_frame_id or "right_camera_optical_frame",
+        }
+        for side in SIDES:
+            self._infos[side].publish(camera_info_message(cameras[side], stamp_ns, frame_ids[side]))
+            self._images[side].publish(buffer_message(buffers[side], stamp_ns, frame_ids[side]))
+        self._published += 1
+
+    def _stamp_ns(self, pair: SourcePair) -> int:
+        """The recorded stamp; for files, which have none, the time now."""
+        return pair.stamp_ns if self._source.has_stamps else self.get_clock().now().nanoseconds
+
+
+def _opened(options: CaptureOptions) -> StereoSource:
+    return open_source(
+        Path(options.source),
+        left_topic=options.left_topic,
+        right_topic=options.right_topic,
+        max_stamp_offset_s=options.max_stamp_offset_s,
+        rate_hz=options.folder_rate_hz,
+    )
+
+
+def _calibration(options: CaptureOptions, source: StereoSource) -> StereoRig:
+    if options.calibration:
+        return load_rig(Path(options.calibration))
+    if source.cameras is None:
+        raise SourceError(f"{options.source} holds no camera_info: give the parameter calibration")
+    return StereoRig.from_cameras(*source.cameras)
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run_nodes([CaptureNode], args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,135 @@
+"""The rectification node: `image_raw` and `camera_info` of both sides to `image_rect` and `camera_info_rect`."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from functools import partial
+
+from rclpy.context import Context
+from sensor_msgs.msg import CameraInfo, Image
+
+from stereo_pick.core.configuration import configured, declared
+from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.images import pixels
+from stereo_pick.core.pairing import Pair, Side, StampPairer
+from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.core.rectification import Rectifier
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.ros.messages.cameras import camera_info_message, camera_of, content
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
+from stereo_pick.ros.messages.images import buffer_of, image_message
+from stereo_pick.ros.messages.stamps import stamp_ns
+from stereo_pick.ros.node import StepNode
+from stereo_pick.ros.parameters import Values
+from stereo_pick.ros.process import run_nodes
+from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RAW, IMAGE_RECT, SIDES
+
+_SILENT_AFTER_S = 2.0
+_MAX_HELD = 5  # pairs that wait for the first camera_info
+
+
+@dataclass(frozen=True)
+class RectificationOptions(Configurable):
+    """How raw images are read and paired."""
+
+    max_stamp_offset_s: float = parameter(
+        0.01, "By how much the stamps of a left and a right image may differ.", low=0.0, high=1.0
+    )
+    full_scale_16: int = parameter(
+        65535, "Value of a 16-bit image that becomes white; 4095 for a 12-bit camera.", low=1, high=65535
+    )
+
+
+class RectificationNode(StepNode):
+    """Pairs raw images by stamp and publishes them rectified, with the stamp of the left one."""
+
+    def __init__(self, context: Context) -> None:
+        self._infos: dict[str, CameraInfo] = {}
+        self._rectifier: Rectifier | None = None
+        self._held: list[Pair[Image]] = []
+        self._rectified = 0
+        self._last_ns: dict[str, int] = {}
+        super().__init__("rectification", context, declared({"": RectificationOptions}))
+        self._images = {side: self.advertise(IMAGE_RECT[side]) for side in SIDES}
+        self._camera_infos = {side: self.advertise(CAMERA_INFO_RECT[side]) for side in SIDES}
+        for side in SIDES:
+            self.listen(CAMERA_INFO[side], partial(self._on_camera_info, side))
+            self.listen(IMAGE_RAW[side], partial(self._on_image, side))
+
+    def configure(self, values: Values) -> RectificationOptions:
+        """The options of these parameter values."""
+        return configured(RectificationOptions, "", values)
+
+    def apply(self, configured: RectificationOptions) -> None:
+        """Pair by the new options from now on."""
+        self._options = configured
+        self._pairer: StampPairer[Image] = StampPairer(round(configured.max_stamp_offset_s * 1e9))
+
+    def status(self) -> Status:
+        """What is missing, if anything is."""
+        counts = self._pairer.counts
+        values = {"left": str(counts.left), "right": str(counts.right), "pairs": str(counts.pairs)}
+        if counts.pairs == 0:
+            return Status(WARN if counts.left == counts.right == 0 else ERROR, self._pairer.explain(), values)
+        missing = [self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if side not in self._infos]
+        if missing:
+            message = f"no message on {' and '.join(missing)}: is the camera calibrated, and its camera_info published?"
+            return Status(ERROR, message, values)
+        silence_s = {side: self._silence_s(side) for side in SIDES}
+        silent = [side for side in SIDES if silence_s[side] > _SILENT_AFTER_S]
+        if silent:
+            topics = " and ".join(self.resolve_topic_name(IMAGE_RAW[side].name) for side in silent)
+            message = f"no image on {topics} for {min(silence_s[side] for side in silent):.0f} s"
+            return Status(WARN if len(silent) == len(SIDES) else ERROR, message, values)
+        return Status(OK, f"{self._rectified} pairs rectified", values)
+
+    def _silence_s(self, side: str) -> float:
+        return (self.steady_clock.now().nanoseconds - self._last_ns[side]) / 1e9
+
+    def _on_camera_info(self, side: str, message: CameraInfo) -> None:
+        known = self._infos.get(side)
+        self._infos[side] = message
+        if known is not None and content(known) == content(message) and self._rectifier is not None:
+            return
+        if len(self._infos) == len(SIDES):
+            self._rectifier = None
+            left, right = (camera_of(self._infos[name], name) for name in SIDES)
+            self._rectifier = Rectifier(StereoRig.from_cameras(left, right))
+            held, self._held = self._held, []
+            for pair in held:
+                self._rectify(pair)
+
+    def _on_image(self, side: Side, message: Image) -> None:
+        self._last_ns[side] = self.steady_clock.now().nanoseconds
+        for pair in self._pairer.add(side, stamp_ns(message.header.stamp), message):
+            if len(self._infos) < len(SIDES):
+                self._held = [*self._held, pair][-_MAX_HELD:]
+            else:
+                self._rectify(pair)
+
+    def _rectify(self, pair: Pair[Image]) -> None:
+        if self._rectifier is None:
+            return  # its camera_info was refused, which is the node's status
+        left, right = (
+            pixels(buffer_of(message), self._options.full_scale_16, f"{side} image")
+            for side, message in (("left", pair.left), ("right", pair.right))
+        )
+        rectified = self._rectifier.rectify(StereoFrame(left, right, pair.left_stamp_ns))
+        cameras = {"left": rectified.rig.left, "right": rectified.rig.right}
+        images = {"left": rectified.left, "right": rectified.right}
+        for side in SIDES:
+            frame_id = (pair.left if side == "left" else pair.right).header.frame_id
+            info = camera_info_message(cameras[side], rectified.stamp_ns, frame_id)
+            self._camera_infos[side].publish(info)
+            self._images[side].publish(image_message(images[side], rectified.stamp_ns, frame_id))
+        self._rectified += 1
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run_nodes([RectificationNode], args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,78 @@
+"""Running nodes as a process: start, signals, end."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from stereo_pick.core.errors import StereoPickError
+from stereo_pick.ros.node import StepNode
+
+_SPIN_S = 0.1
+_PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
+_PROFILE = Path(__file__).with_name("fastdds_profile.xml")
+
+NodeFactory = Callable[[Context], StepNode]
+
+
+def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = None) -> int:
+    """Spin nodes in this process until they are done, or until SIGINT or SIGTERM; return the exit status.
+
+    rclpy's own signal handlers race with its shutdown; here a handler only sets an event.
+    """
+    prepare_process()
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stop.set())
+    context = Context()
+    rclpy.init(
+        args=list(args) if args is not None else None, context=context, signal_handler_options=SignalHandlerOptions.NO
+    )
+    nodes: list[StepNode] = []
+    try:
+        for factory in factories:
+            nodes.append(factory(context))
+        _spin(nodes, context, stop)
+        return 0
+    except StereoPickError as error:
+        print(f"stereo_pick: error: {error}", file=sys.stderr)
+        return 1
+    finally:
+        for node in nodes:
+            node.destroy_node()
+        context.try_shutdown()
+
+
+def prepare_process() -> None:
+    """Set up transport and memory for images, before the first `rclpy.init`.
+
+    Fast DDS's default shared-memory segment of 512 KB cannot hold one VGA pair, and glibc gives every large
+    block back to the system after each use. A profile that the user chose stays.
+    """
+    os.environ.setdefault(_PROFILE_VARIABLE, str(_PROFILE))
+    try:
+        mallopt = ctypes.CDLL("libc.so.6").mallopt
+    except (OSError, AttributeError):  # another C library than glibc
+        return
+    for option, value in ((-3, 32 << 20), (-1, 256 << 20), (-2, 16 << 20)):  # mmap and trim threshold, top pad
+        mallopt(option, value)
+
+
+def _spin(nodes: Sequence[StepNode], context: Context, stop: threading.Event) -> None:
+    executor = SingleThreadedExecutor(context=context)
+    for node in nodes:
+        executor.add_node(node)
+    while not stop.is_set() and not any(node.finished for node in nodes):
+        executor.spin_once(timeout_sec=_SPIN_S)
+    for node in nodes:
+        executor.remove_node(node)

@@ -1,0 +1,39 @@
+"""Messages of several topics that belong together by their stamp."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from stereo_pick.ros.messages.stamps import stamp_ns
+
+_DEPTH = 10
+
+
+class StampJoin:
+    """Calls back with one message of each topic as soon as all of one stamp are there; forgets the oldest stamps.
+
+    The package's own nodes stamp what belongs together alike, so only equal stamps join.
+    """
+
+    def __init__(self, topics: Sequence[str], joined: Callable[[dict[str, Any]], None]) -> None:
+        self._topics = tuple(topics)
+        self._joined = joined
+        self._waiting: dict[int, dict[str, Any]] = {}
+        self.counts = dict.fromkeys(self._topics, 0)
+
+    def add(self, topic: str, message: Any) -> None:
+        """Take a message; may call back."""
+        self.counts[topic] += 1
+        stamp = stamp_ns(message.header.stamp)
+        together = self._waiting.setdefault(stamp, {})
+        together[topic] = message
+        if len(together) == len(self._topics):
+            del self._waiting[stamp]
+            self._joined(together)
+        while len(self._waiting) > _DEPTH:
+            del self._waiting[min(self._waiting)]
+
+    def silent(self) -> list[str]:
+        """The topics on which nothing came so far."""
+        return [topic for topic, count in self.counts.items() if count == 0]
