@@ -1,0 +1,1 @@
+"""Where stereo pairs come from: one file a source; no ROS."""

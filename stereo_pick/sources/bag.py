@@ -1,0 +1,141 @@
+"""A bag with the images of two cameras: rosbag2 (mcap or sqlite3) or ROS 1."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rosbags.highlevel import AnyReader
+from rosbags.interfaces import TopicInfo
+
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import CalibrationError, ParameterError, SourceError
+from stereo_pick.core.images import ImageBuffer, decode_compressed, encode
+from stereo_pick.core.pairing import Pair, Side, StampPairer
+from stereo_pick.sources.bag_reader import Recorded, messages, opened
+from stereo_pick.sources.bag_topics import COMPRESSED_TYPE, camera_info_topic, choose_topics
+from stereo_pick.sources.source import SourcePair
+
+_MAX_OFFSET_S = 60.0
+
+
+@dataclass(frozen=True)
+class BagSource:
+    """The stereo pairs of a bag, paired by the stamps of their headers; made by `open`.
+
+    count: how many left images there are. The bag is read as a stream, anew at each iteration.
+    """
+
+    path: Path
+    left_topic: str
+    right_topic: str
+    max_stamp_offset_s: float
+    count: int
+
+    @staticmethod
+    def open(path: Path, left_topic: str = "", right_topic: str = "", max_stamp_offset_s: float = 0.01) -> BagSource:
+        """Find the image topics (by their names, where they are not given) of the bag at `path`.
+
+        Raises SourceError on a bag that is absent or damaged, or in which the choice of topics is
+        not clear; ParameterError on an offset outside 0 .. 60 s.
+        """
+        if not 0 <= max_stamp_offset_s <= _MAX_OFFSET_S:
+            raise ParameterError(
+                f"max_stamp_offset_s = {max_stamp_offset_s} is outside its range 0 .. {_MAX_OFFSET_S:g}"
+            )
+        with opened(path) as reader:
+            topics = reader.topics
+        try:
+            left_topic, right_topic = choose_topics(topics, left_topic, right_topic)
+            _check_images(topics, left_topic, right_topic)
+        except SourceError as error:
+            raise SourceError(f"{path}: {error}") from None
+        return BagSource(path, left_topic, right_topic, max_stamp_offset_s, topics[left_topic].msgcount)
+
+    @property
+    def has_stamps(self) -> bool:
+        """True: every image message has one."""
+        return True
+
+    @property
+    def cameras(self) -> tuple[Camera, Camera] | None:
+        """Left and right calibration: the first camera_info beside each image topic; None where one is missing.
+
+        Raises CalibrationError, naming the topic, on one that no real camera has (an uncalibrated
+        driver sends zeros), SourceError where the bag is damaged.
+        """
+        with opened(self.path) as reader:
+            left = self._camera(reader, "left", camera_info_topic(self.left_topic))
+            right = self._camera(reader, "right", camera_info_topic(self.right_topic))
+        return None if left is None or right is None else (left, right)
+
+    def __iter__(self) -> Iterator[SourcePair]:
+        """Yield the pairs; what was recorded before a damage comes before its error.
+
+        Raises SourceError where the bag is damaged or nothing pairs (with the reason),
+        ImageError on a compressed image that cannot be decoded.
+        """
+        pairer: StampPairer[Recorded] = StampPairer(round(self.max_stamp_offset_s * 1e9))
+        damage = None
+        with opened(self.path) as reader:
+            try:
+                for recorded in messages(self.path, reader, self.left_topic, self.right_topic):
+                    side: Side = "left" if recorded.topic == self.left_topic else "right"
+                    yield from map(_source_pair, pairer.add(side, recorded.stamp_ns, recorded))
+            except SourceError as error:
+                damage = error
+        yield from map(_source_pair, pairer.flush())
+        if damage is not None:
+            raise damage
+        if pairer.counts.pairs == 0:
+            raise SourceError(
+                f"{self.path}: no stereo pair in {self.left_topic} and {self.right_topic}: {pairer.explain()}"
+            )
+
+    def _camera(self, reader: AnyReader, name: str, topic: str) -> Camera | None:
+        for recorded in messages(self.path, reader, topic):
+            try:
+                return _camera(name, recorded.message)
+            except CalibrationError as error:
+                raise CalibrationError(f"{self.path}: {topic}: {error}") from None
+        return None
+
+
+def _check_images(topics: Mapping[str, TopicInfo], left: str, right: str) -> None:
+    for topic, other in ((left, right), (right, left)):
+        if topics[topic].msgcount == 0:
+            count = topics[other].msgcount
+            raise SourceError(f"{topic} has no images, {other} {count}: was its camera running? Record again")
+
+
+def _source_pair(pair: Pair[Recorded]) -> SourcePair:
+    recorded_ns = max(pair.left.recorded_ns, pair.right.recorded_ns)
+    frame_ids = pair.left.message.header.frame_id, pair.right.message.header.frame_id
+    return SourcePair(_buffer(pair.left), _buffer(pair.right), pair.left_stamp_ns, recorded_ns, *frame_ids)
+
+
+def _buffer(recorded: Recorded) -> ImageBuffer:
+    message = recorded.message
+    if recorded.type == COMPRESSED_TYPE:
+        what = f"{recorded.topic} image of stamp {recorded.stamp_ns / 1e9:.3f} s"
+        return encode(decode_compressed(message.data, what))
+    return ImageBuffer(
+        message.width, message.height, message.step, message.encoding, bool(message.is_bigendian), message.data
+    )
+
+
+def _camera(name: str, info: Any) -> Camera:
+    """A camera from a CameraInfo, whose matrices have capital names in ROS 1."""
+    K, D, R, P = (getattr(info, field) if hasattr(info, field) else getattr(info, field.upper()) for field in "kdrp")
+    return Camera(
+        name=name,
+        width_px=int(info.width),
+        height_px=int(info.height),
+        K=K.reshape(3, 3),
+        D=D,
+        R=R.reshape(3, 3),
+        P=P.reshape(3, 4),
+        distortion_model=info.distortion_model,
+    )

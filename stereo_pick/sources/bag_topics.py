@@ -1,0 +1,91 @@
+"""Which topics of a bag are the left and the right raw images."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from rosbags.interfaces import TopicInfo
+
+from stereo_pick.core.errors import SourceError
+
+COMPRESSED_TYPE = "sensor_msgs/msg/CompressedImage"
+_IMAGE_TYPES = ("sensor_msgs/msg/Image", COMPRESSED_TYPE)
+_RIGHT_OF = {"left": "right", "Left": "Right", "LEFT": "RIGHT"}
+_LEFT = re.compile(r"(?<![A-Za-z])(left|Left|LEFT)(?![A-Za-z])")
+
+
+def choose_topics(topics: Mapping[str, TopicInfo], left: str = "", right: str = "") -> tuple[str, str]:
+    """Return the left and the right image topic: those given, the others found by their names.
+
+    Two topics belong together where `left` in the one's name stands for `right` in the other's; raw
+    images are preferred to others and uncompressed ones to compressed ones.
+    Raises SourceError, with the topics that there are, where none or several would do.
+    """
+    images = sorted(
+        name
+        for name, topic in topics.items()
+        if topic.msgtype in _IMAGE_TYPES and not name.endswith("/compressedDepth")
+    )
+    if not images:
+        raise SourceError(f"no image topic among its topics ({_listed(topics)}): record image_raw of both cameras")
+    for option, name in (("left_topic", left), ("right_topic", right)):
+        if name and name not in images:
+            raise SourceError(f"{option} = {name} is none of its image topics: {_listed(images)}")
+    if left and left == right:
+        raise SourceError(f"left_topic and right_topic are both {left}: name the two cameras' topics")
+    if left and right:
+        return left, right
+    return _only_one(_candidates(topics, images, left, right), images)
+
+
+def camera_info_topic(image_topic: str) -> str:
+    """The camera_info topic beside an image topic."""
+    namespace, slash, _ = _uncompressed(image_topic).rpartition("/")
+    return f"{namespace}{slash}camera_info"
+
+
+def _candidates(topics: Mapping[str, TopicInfo], images: list[str], left: str, right: str) -> list[tuple[str, str]]:
+    """The best of the left and right topics that belong together and agree with the given ones."""
+    partners = {name: _LEFT.sub(lambda match: _RIGHT_OF[match[0]], name) for name in images if _LEFT.search(name)}
+    pairs = [
+        pair for pair in partners.items() if pair[1] in images and left in ("", pair[0]) and right in ("", pair[1])
+    ]
+    if left or right:
+        return pairs
+    if pairs and all(_is_rectified(name) for name, _ in pairs):
+        raise SourceError(
+            f"only rectified images ({pairs[0][0]}), but raw ones are needed: record image_raw, "
+            "or set left_topic and right_topic if these are raw all the same"
+        )
+
+    def rank(pair: tuple[str, str]) -> tuple[bool, bool, bool]:
+        silent = any(topics[name].msgcount == 0 for name in pair)
+        return silent, not _uncompressed(pair[0]).endswith("image_raw"), _uncompressed(pair[0]) != pair[0]
+
+    raw = [pair for pair in pairs if not _is_rectified(pair[0])]
+    return [pair for pair in raw if rank(pair) == min(map(rank, raw))]
+
+
+def _only_one(pairs: list[tuple[str, str]], images: list[str]) -> tuple[str, str]:
+    if len(pairs) == 1:
+        return pairs[0]
+    if pairs:
+        choices = ", ".join(f"{left} with {right}" for left, right in pairs)
+        raise SourceError(f"several stereo cameras: {choices}; choose one by left_topic and right_topic")
+    raise SourceError(
+        f"no image topics whose names differ in left and right alone, but {_listed(images)}: "
+        "set left_topic and right_topic, or record both cameras"
+    )
+
+
+def _is_rectified(topic: str) -> bool:
+    return "rect" in _uncompressed(topic).rpartition("/")[2]
+
+
+def _uncompressed(topic: str) -> str:
+    return topic.removesuffix("/compressed")
+
+
+def _listed(names: Mapping[str, TopicInfo] | list[str]) -> str:
+    return ", ".join(sorted(names)) or "none"
