@@ -18,5 +18,6 @@ setup(
         *shared("package.xml"),
         *shared("launch/*.launch.py"),
         *shared("config/**/*"),
+        *shared("bags/**/*"),
     ],
 )

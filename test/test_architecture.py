@@ -41,6 +41,7 @@ CORE_LAYERS = (
     "correspondence",
     "triangulation",
     "poses",
+    "annotation",
     "depth_report",
     "pipeline",
     "configuration",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -67,17 +68,9 @@ class StepNode(Node):
         """Publish the node's status, and log it where it is new and not OK."""
         status = self.status() if self._error is None else Status(ERROR, str(self._error))
         self._error = None
-        if status.level != OK and status.message != self._last_logged:
-            (self.get_logger().error if status.level == ERROR else self.get_logger().warning)(status.message)
-        self._last_logged = status.message
+        self._log(status)
         now_ns = self.get_clock().now().nanoseconds
         self._diagnostics.publish(diagnostics_message(f"stereo_pick: {self.get_name()}", status, now_ns))
-
-    def fail(self, error: StereoPickError) -> None:
-        """Make an error the node's status, at once."""
-        self._error = error
-        self.report()
-        self._error = error
 
     def _reconfigure(self) -> None:
         self.apply(self.configure(self.parameters.values))
@@ -88,8 +81,17 @@ class StepNode(Node):
                 callback(message)
             except StereoPickError as error:
                 self._error = error
-                if str(error) != self._last_logged:
-                    self._last_logged = str(error)
-                    self.get_logger().error(str(error))
+                self._log(Status(ERROR, str(error)))
 
         return guarded
+
+    def _log(self, status: Status) -> None:
+        """Log what is new; that only its numbers have changed does not make it new."""
+        kind = re.sub(r"[0-9.]+", "0", status.message)
+        if kind == self._last_logged:
+            return
+        self._last_logged = kind
+        if status.level == ERROR:
+            self.get_logger().error(status.message)
+        elif status.level != OK:
+            self.get_logger().warning(status.message)

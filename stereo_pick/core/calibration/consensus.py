@@ -34,9 +34,7 @@ class Consensus:
     gross: tuple[bool, ...]
 
 
-def agree(
-    board: Chessboard, views: Sequence[BoardView], left: MonoCalibration, right: MonoCalibration
-) -> Consensus:
+def agree(board: Chessboard, views: Sequence[BoardView], left: MonoCalibration, right: MonoCalibration) -> Consensus:
     """Take each pair's own answer, in each order of its corners, and keep the one that suits most pairs.
 
     Raises CalibrationError where no answer suits them.
@@ -69,6 +67,6 @@ def agree(
 
 def _gaps_px(right_T_left: Transform, points: Floats, right: Camera, seen: Floats) -> Floats:
     """Rms distance (V, orders) [px] of the seen right corners from the left points' (V, N, 3) projections."""
-    predicted = right.project(right_T_left.apply(points)).reshape(len(points), 1, -1, 2)
-    squared: Floats = ((seen - predicted) ** 2).sum(axis=3).mean(axis=2)
-    return np.asarray(np.sqrt(squared))
+    with np.errstate(over="ignore"):  # a wrong answer may put points beside the camera
+        predicted = right.project(right_T_left.apply(points)).reshape(len(points), 1, -1, 2)
+        return np.asarray(np.sqrt(((seen - predicted) ** 2).sum(axis=3).mean(axis=2)))

@@ -6,9 +6,9 @@ OpenCV's K1 D1 K2 D2 R T with `X_right = R X_left + T`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import cv2
 import numpy as np
@@ -21,6 +21,8 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.transform import Transform
 
 _OPENCV_NAMES = ("stereo.yaml", "stereo.yml", "opencv.yaml", "opencv.yml")
+Made = TypeVar("Made")
+
 _METRES_PER_UNIT = {"m": 1.0, "mm": 0.001, "cm": 0.01}
 
 
@@ -184,7 +186,7 @@ def _save_opencv(rig: StereoRig, path: Path) -> None:
     storage.release()
 
 
-def _about(path: Path, build: Any) -> Any:
+def _about(path: Path, build: Callable[[], Made]) -> Made:
     """Call `build`, and put the path before the message of what it raises."""
     try:
         return build()

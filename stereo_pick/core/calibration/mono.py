@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import ArrayLike
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.views import BoardView, RejectedView, check_enough, outlier_limit_px
 from stereo_pick.core.camera import Camera
-from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.transform import Transform
 
 _TIGHT = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-9)
@@ -26,30 +27,31 @@ class MonoCalibration:
     poses: tuple[Transform, ...]
     errors_px: Floats
 
+    def only(self, views: Sequence[int]) -> MonoCalibration:
+        """The same camera with these views alone."""
+        return MonoCalibration(self.camera, tuple(self.poses[i] for i in views), self.errors_px[list(views)])
+
 
 def calibrate_cameras(
-    views: Sequence[BoardView], size_px: tuple[int, int], board: Chessboard
+    views: Sequence[BoardView], size_px: tuple[int, int], board: Chessboard, rejected: Sequence[RejectedView] = ()
 ) -> tuple[MonoCalibration, MonoCalibration, list[BoardView], list[RejectedView]]:
     """Calibrate left and right one by one, leaving out (worst first) the views whose corners are imprecise.
 
-    Returns left, right, the views kept and those rejected. Raises CalibrationError where fewer than
+    Returns left, right, the views kept, and those rejected, now or before. Raises CalibrationError where fewer than
     three are left or the views do not determine a camera.
     """
-    kept, rejected = list(views), list[RejectedView]()
+    kept, out, out_px = list(views), list(rejected), list[tuple[float, float]]()
     while True:
-        check_enough(kept, rejected, board)
+        check_enough(kept, out, board)
         left = calibrate_camera("left", [view.left_px for view in kept], size_px, board)
         right = calibrate_camera("right", [view.right_px for view in kept], size_px, board)
-        side, calibration = max((("left", left), ("right", right)), key=lambda named: _excess(named[1].errors_px))
-        errors = calibration.errors_px
-        if _excess(errors) <= 1:
-            return left, right, kept, rejected
-        worst = int(errors.argmax())
-        reason = (
-            f"corners of the {side} image are off by {errors[worst]:.2f} px, those of the other views by "
-            f"{np.median(errors):.2f} px: over-exposed, blurred or hidden in part"
-        )
-        rejected.append(RejectedView(kept.pop(worst).name, reason))
+        errors_px = np.c_[left.errors_px, right.errors_px]
+        limits_px = [outlier_limit_px(errors_px[:, side], [error[side] for error in out_px]) for side in (0, 1)]
+        worst, side = (int(i) for i in np.unravel_index((errors_px / limits_px).argmax(), errors_px.shape))
+        if errors_px[worst, side] <= limits_px[side]:
+            return left, right, kept, out
+        out.append(RejectedView(kept.pop(worst).name, _imprecise(("left", "right")[side], errors_px[:, side], worst)))
+        out_px.append((errors_px[worst, 0], errors_px[worst, 1]))
 
 
 def calibrate_camera(
@@ -70,15 +72,24 @@ def calibrate_camera(
             flags=cv2.CALIB_FIX_K3,
             criteria=_TIGHT,
         )
-        camera = Camera(name, *size_px, K, D.ravel()[:5], np.eye(3), np.eye(3, 4))
-    except (cv2.error, CalibrationError) as error:
+        camera = Camera(name, *size_px, floats("K", K, 3, 3), floats("D", D.ravel()[:5], 5), np.eye(3), np.eye(3, 4))
+    except (cv2.error, ArrayError, CalibrationError) as error:
         raise CalibrationError(
             f"the {len(corners_px)} views do not determine the {name} camera: tilt the board to all sides, up to "
             f"45 degrees, and move it through the image ({str(error).strip().splitlines()[-1]})"
         ) from None
-    poses = tuple(Transform(cv2.Rodrigues(r)[0], t.ravel()) for r, t in zip(rvecs, tvecs))
+    poses = tuple(transform(r, t) for r, t in zip(rvecs, tvecs))
     return MonoCalibration(camera, poses, np.asarray(errors, np.float64).ravel())
 
 
-def _excess(errors_px: Floats) -> float:
-    return float(errors_px.max()) / outlier_limit_px(errors_px)
+def transform(rvec: ArrayLike, tvec: ArrayLike) -> Transform:
+    """The transform of OpenCV's rotation vector and translation."""
+    rotation, _ = cv2.Rodrigues(np.asarray(rvec, np.float64))
+    return Transform(floats("rotation", rotation, 3, 3), floats("translation", np.ravel(tvec), 3))
+
+
+def _imprecise(side: str, errors_px: Floats, worst: int) -> str:
+    return (
+        f"corners of the {side} image are off by {errors_px[worst]:.2f} px, those of the other views by "
+        f"{np.median(errors_px):.2f} px: over-exposed, blurred or hidden in part"
+    )

@@ -40,6 +40,16 @@ class RejectedView:
     reason: str
 
 
+@dataclass(frozen=True)
+class Detections:
+    """What one detector found in a recording of images of size_px (width, height)."""
+
+    detector: str
+    size_px: tuple[int, int]
+    views: tuple[BoardView, ...]
+    rejected: tuple[RejectedView, ...]
+
+
 def check_views(views: Sequence[BoardView], board: Chessboard) -> None:
     """Raise CalibrationError where a view has another number of corners than the board."""
     for view in views:
@@ -63,6 +73,9 @@ def check_enough(views: Sequence[BoardView], rejected: Sequence[RejectedView], b
     )
 
 
-def outlier_limit_px(errors_px: Floats) -> float:
-    """The error [px] above which a view does not belong to the others: three times their median."""
-    return max(_TIMES_MEDIAN * float(np.median(errors_px)), _MIN_OUTLIER_PX)
+def outlier_limit_px(errors_px: Floats, rejected_px: Sequence[float]) -> float:
+    """The error [px] above which a view does not belong to the others: three times the median.
+
+    Views rejected before stay in the median: it would sink with each, and reject ever better views.
+    """
+    return max(_TIMES_MEDIAN * float(np.median([*errors_px, *rejected_px])), _MIN_OUTLIER_PX)

@@ -32,6 +32,10 @@ class Detector(Configurable):
         choices=("auto", "bright", "dark"),
     )
     min_area_px: int = parameter(60, "Objects of fewer pixels are noise (thesis 3.7.2, step 3).", low=1, high=1000000)
+    roi_x_px: int = parameter(0, "Left edge of the region of interest in the left rectified image.", low=0, high=100000)
+    roi_y_px: int = parameter(0, "Its top edge, in both rectified images.", low=0, high=100000)
+    roi_width_px: int = parameter(0, "Its width; 0 looks for objects everywhere (thesis 3.7.1).", low=0, high=100000)
+    roi_height_px: int = parameter(0, "Its height; 0 looks for objects everywhere.", low=0, high=100000)
     min_contrast: int = parameter(
         10, "Objects that differ by fewer grey levels from their background are stains.", low=1, high=255
     )
@@ -62,7 +66,11 @@ class Detector(Configurable):
         ]
         polarities = ("bright", "dark") if self.polarity == "auto" else (self.polarity,)
         readings = [
-            Blobs(self._find(views[0], contrasts[0], polarity), self._find(views[1], contrasts[1], polarity), polarity)
+            Blobs(
+                self._within_columns(self._find(views[0], contrasts[0], polarity)),
+                self._find(views[1], contrasts[1], polarity),
+                polarity,
+            )
             for polarity in polarities
         ]
         best = max(readings, key=_contrast_energy)
@@ -71,7 +79,12 @@ class Detector(Configurable):
     def _find(self, view: View, contrast: Contrast, polarity: str) -> tuple[Blob, ...]:
         fore = foreground(view, contrast, polarity)
         found = outlines(view, fore, self.min_area_px, self.closing_px, self.subpixel)
-        return tuple(sorted(found, key=lambda blob: float(blob.centroid_px[0])))
+        ordered = sorted(found, key=lambda blob: float(blob.centroid_px[0]))
+        return tuple(b for b in ordered if _within(b.centroid_px[1], self.roi_y_px, self.roi_height_px))
+
+    def _within_columns(self, blobs: tuple[Blob, ...]) -> tuple[Blob, ...]:
+        """The left view's objects in the region of interest; the right view shows it at unknown columns."""
+        return tuple(b for b in blobs if _within(b.centroid_px[0], self.roi_x_px, self.roi_width_px))
 
     def _judged(self, blobs: tuple[Blob, ...]) -> tuple[Blob, ...]:
         strongest = max((blob.contrast for blob in blobs), default=0.0)
@@ -86,6 +99,10 @@ class Detector(Configurable):
         if blob.concavity > self.max_concavity:
             return "merged"
         return ""
+
+
+def _within(place_px: float, first_px: int, size_px: int) -> bool:
+    return size_px == 0 or first_px <= place_px < first_px + size_px
 
 
 def _contrast_energy(blobs: Blobs) -> float:

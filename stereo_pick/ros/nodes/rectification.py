@@ -80,7 +80,8 @@ class RectificationNode(StepNode):
         silent = [side for side in SIDES if silence_s[side] > _SILENT_AFTER_S]
         if silent:
             topics = " and ".join(self.resolve_topic_name(IMAGE_RAW[side].name) for side in silent)
-            message = f"no image on {topics} for {min(silence_s[side] for side in silent):.0f} s"
+            values["silent_s"] = f"{min(silence_s[side] for side in silent):.0f}"
+            message = f"no image on {topics} any more: is the camera running?"
             return Status(WARN if len(silent) == len(SIDES) else ERROR, message, values)
         return Status(OK, f"{self._rectified} pairs rectified", values)
 

@@ -1,0 +1,1 @@
+"""The `stereo-pick` command and its subcommands."""

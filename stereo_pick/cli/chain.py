@@ -1,0 +1,85 @@
+"""The four nodes as processes: started in the order in which nothing gets lost, stopped cleanly."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+
+from stereo_pick.core.errors import SourceError
+from stereo_pick.core.params import Value
+
+DOWNSTREAM = ("triangulation", "correspondence", "rectification")
+_STOP_S = 10.0
+
+
+class Chain:
+    """The processes of the nodes; as a context manager it ends them all, whatever happens."""
+
+    def __init__(self, environment: Mapping[str, str] | None = None) -> None:
+        self._environment = {**os.environ, **(environment or {})}
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._logs = tempfile.TemporaryDirectory(prefix="stereo_pick_")
+
+    def __enter__(self) -> Chain:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for process in self._processes.values():
+            if process.poll() is None:
+                process.send_signal(signal.SIGINT)
+        deadline = time.monotonic() + _STOP_S
+        for process in self._processes.values():
+            try:
+                process.wait(max(0.1, deadline - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        self._logs.cleanup()
+
+    def start(self, node: str, values: Mapping[str, Value], remappings: Sequence[str] = ()) -> None:
+        """Start the executable of a node with parameter values; it logs into a file that `log` reads."""
+        command = [sys.executable, "-m", f"stereo_pick.ros.nodes.{node}", "--ros-args"]
+        for name, value in values.items():
+            command += ["-p", f"{name}:={_yaml(value)}"]
+        with self._log_file(node).open("wb") as log:
+            self._processes[node] = subprocess.Popen(
+                [*command, *remappings],
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=self._environment,
+                start_new_session=True,  # Ctrl-C ends this process first, which then ends them in order
+            )
+
+    def status(self, node: str) -> int | None:
+        """Exit status of a node, None while it runs."""
+        return self._processes[node].poll()
+
+    def log(self, node: str) -> str:
+        """What a node has printed so far."""
+        return self._log_file(node).read_text(encoding="utf-8", errors="replace").strip()
+
+    def check(self) -> None:
+        """Raise SourceError, with what it printed last, where a node ended with an error."""
+        for node in self._processes:
+            if self.status(node):
+                last = self.log(node).splitlines()[-1:] or ["no message"]
+                raise SourceError(last[0].removeprefix("stereo_pick: error: "))
+
+    def _log_file(self, node: str) -> Path:
+        return Path(self._logs.name) / f"{node}.log"
+
+
+def _yaml(value: Value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return "'" + value.replace("'", "''") + "'" if isinstance(value, str) else repr(value)

@@ -1,0 +1,135 @@
+"""`stereo-pick demo`: the four nodes on the demo bag, beside the known truth."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from dataclasses import dataclass, field
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+
+from stereo_pick.cli.locate import write_picture
+from stereo_pick.cli.run import Positions, run_chain
+from stereo_pick.core.configuration import steps
+from stereo_pick.core.correspondence.assignment import assign
+from stereo_pick.core.errors import SourceError
+from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.images import pixels
+from stereo_pick.core.pipeline import Pipeline
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.sources.source import open_source
+
+_GATE_M = 0.03  # further away an estimate belongs to no true object
+_MAX_MEAN_DEPTH_ERROR_M = 0.0015
+_RATE = 0.2
+
+_DESCRIPTION = """\
+Replay the demo bag (a rendered conveyor scene with exactly known positions) through the four nodes, each a process of
+its own, over real DDS; show the poses as they come beside the truth; write an annotated picture; end with a verdict."""
+
+Truth = dict[str, tuple[float, float, float]]
+
+
+@dataclass
+class Score:
+    """What the received poses are worth, measured against the truth."""
+
+    truth: dict[int, Truth]
+    frames: int = 0
+    missed: int = 0
+    ghosts: int = 0
+    errors_m: list[float] = field(default_factory=list)
+    depth_errors_m: list[float] = field(default_factory=list)
+
+    def receive(self, stamp_ns: int, _frame_id: str, positions: Positions) -> None:
+        """Score one PoseArray, and print it beside the truth."""
+        truth = self.truth.get(stamp_ns, {})
+        names, points = list(truth), np.array(list(truth.values())).reshape(-1, 3)
+        found = np.array(positions).reshape(-1, 3)
+        distance = np.linalg.norm(points[:, None] - found[None], axis=2)
+        pairs = assign(np.where(distance < _GATE_M, distance, np.inf), unmatched_cost=_GATE_M)
+        self.frames += 1
+        self.missed += len(points) - len(pairs)
+        self.ghosts += len(found) - len(pairs)
+        self.errors_m += [float(distance[pair]) for pair in pairs]
+        dz = {i: float(found[j, 2] - points[i, 2]) for i, j in pairs}
+        self.depth_errors_m += [abs(dz[a] - dz[b]) for a, b in combinations(dz, 2)]
+        for i, j in pairs:
+            measured, true = (" ".join(f"{value * 1e3:8.1f}" for value in row) for row in (found[j], points[i]))
+            print(
+                f"{stamp_ns / 1e9 % 1000:8.3f} {names[i]:<10} {measured}  {true} {distance[i, j] * 1e3:7.1f}",
+                flush=True,
+            )
+
+    def verdict(self) -> tuple[bool, str]:
+        """Whether all is as it should be, and one line that says what came out."""
+        mean_depth_error_m = float(np.mean(self.depth_errors_m)) if self.depth_errors_m else np.inf
+        complete = self.frames == len(self.truth) and self.missed == self.ghosts == 0
+        good = complete and mean_depth_error_m <= _MAX_MEAN_DEPTH_ERROR_M
+        if not self.errors_m:
+            return False, f"demo: FAILED: {self.frames} of {len(self.truth)} pairs received, no object found"
+        return good, (
+            f"demo: {'OK' if good else 'FAILED'}: {self.frames} of {len(self.truth)} pairs, "
+            f"{len(self.errors_m)} objects found, {self.missed} missed, {self.ghosts} ghosts; "
+            f"position error mean {np.mean(self.errors_m) * 1e3:.2f} mm, max {max(self.errors_m) * 1e3:.2f} mm; "
+            f"depth between objects: mean error {mean_depth_error_m * 1e3:.2f} mm"
+        )
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the `demo` subcommand."""
+    parser = subparsers.add_parser("demo", help="replay the demo bag beside its truth", description=_DESCRIPTION)
+    parser.add_argument(
+        "--output", type=Path, default=Path("demo_output"), metavar="DIR", help="for the picture (default: %(default)s)"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the demo; raises SourceError where its bag is not installed."""
+    bags = find_bags()
+    args.output.mkdir(parents=True, exist_ok=True)
+    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))  # apart from a robot that is running
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    score = Score(load_truth(bags / "demo_truth.json"))
+    print("starting four nodes on the demo bag ...", flush=True)
+    print(
+        f"{'time s':>8} {'object':<10} {'x, y, z measured [mm]':>26}  {'x, y, z true [mm]':>26} {'error':>7}",
+        flush=True,
+    )
+    run_chain({"source": str(bags / "demo"), "rate": _RATE}, {}, score.receive)
+    picture = args.output / "annotated.png"
+    _draw(bags / "demo", picture)
+    good, line = score.verdict()
+    print(f"annotated picture: {picture}")
+    print(line)
+    return 0 if good else 1
+
+
+def find_bags() -> Path:
+    """The folder of the demo bag: in the checkout, or where the package was installed."""
+    for parent in Path(__file__).resolve().parents:
+        for folder in (parent / "bags", parent / "share" / "stereo_pick" / "bags"):
+            if (folder / "demo_truth.json").is_file():
+                return folder
+    raise SourceError("the demo bag is not installed: run the demo in a checkout of stereo_pick")
+
+
+def load_truth(path: Path) -> dict[int, Truth]:
+    """The true positions [m] by stamp [ns] and name."""
+    frames = json.loads(path.read_text())["frames"]
+    return {frame["stamp_ns"]: {o["name"]: tuple(o["position_m"]) for o in frame["objects"]} for frame in frames}
+
+
+def _draw(bag: Path, picture: Path) -> None:
+    """Draw what the same core finds in the last pair."""
+    source = open_source(bag)
+    cameras = source.cameras
+    if cameras is None:
+        raise SourceError(f"{bag} holds no camera_info")
+    *_, last = source
+    frame = StereoFrame(pixels(last.left), pixels(last.right), last.stamp_ns)
+    write_picture(picture, Pipeline(StereoRig.from_cameras(*cameras), steps({})).run(frame))

@@ -1,0 +1,80 @@
+"""`stereo-pick locate`: the objects in one pair of image files; needs no ROS."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+import cv2
+
+from stereo_pick.cli.options import add_pipeline_options, pipeline_values
+from stereo_pick.cli.report import result_mapping, result_text
+from stereo_pick.core.annotation import annotate
+from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.configuration import steps
+from stereo_pick.core.errors import ImageError
+from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.images import read_image
+from stereo_pick.core.pipeline import Pipeline, Result
+from stereo_pick.core.refusal import REASONS
+
+_DESCRIPTION = """\
+Find the objects in one pair of images and print where they are.
+
+Positions are metres (millimetres in the table) in the left camera's own optical frame: x right, y down, z forward,
+of the RAW left camera, not of the rectified one. Each comes with a covariance, with the gap between its two rays, and
+with its pixels in the raw images. What was seen but cannot be trusted is listed under `refused`, with the reason."""
+
+_EPILOG = """\
+examples:
+  stereo-pick locate left.png right.png --calibration my_rig
+  stereo-pick locate left.png right.png --calibration my_rig --json
+  stereo-pick locate left.png right.png --calibration my_rig --param segmentation.polarity=dark --picture seen.png"""
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the `locate` subcommand."""
+    parser = subparsers.add_parser(
+        "locate",
+        help="find the objects in one pair of image files",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("left", type=Path, metavar="LEFT", help="raw image of the left camera")
+    parser.add_argument("right", type=Path, metavar="RIGHT", help="raw image of the right camera")
+    parser.add_argument(
+        "--calibration",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="folder with left.yaml and right.yaml, or an OpenCV stereo YAML file",
+    )
+    add_pipeline_options(parser)
+    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="also write an annotated picture (.png, .jpg)")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Locate and print; raises StereoPickError on unusable input, ImageError on exchanged images."""
+    pipeline = Pipeline(load_rig(args.calibration), steps(pipeline_values(args)))
+    result = pipeline.run(StereoFrame(read_image(args.left), read_image(args.right)))
+    print(json.dumps(result_mapping(result, args.method), indent=2) if args.json else result_text(result))
+    if args.picture is not None:
+        write_picture(args.picture, result)
+    if any(refusal.reason == "swapped" for refusal in result.poses.refused):
+        raise ImageError(f"{args.left} and {args.right}: {REASONS['swapped']}; give the left image first")
+    return 0
+
+
+def write_picture(path: Path, result: Result) -> None:
+    """Write the annotated picture of a result; raises ImageError where that is not possible."""
+    picture = annotate(result.pair, result.blobs, result.correspondences, result.poses)
+    try:
+        written = cv2.imwrite(str(path), picture)
+    except cv2.error:
+        written = False
+    if not written:
+        raise ImageError(f"{path} cannot be written: give a .png or .jpg file in a folder that exists")

@@ -1,0 +1,66 @@
+"""A subscriber of the object poses, as a picker would be one: for showing them in the terminal."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from geometry_msgs.msg import PoseArray
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from stereo_pick.ros.messages.stamps import stamp_ns
+from stereo_pick.ros.process import prepare_process
+from stereo_pick.ros.topics import (
+    CAMERA_INFO,
+    CAMERA_INFO_RECT,
+    CORRESPONDENCES,
+    IMAGE_RAW,
+    IMAGE_RECT,
+    OBJECT_POSES,
+    SIDES,
+)
+
+_AWAITED = [
+    *(topics[side].name for topics in (IMAGE_RAW, CAMERA_INFO, IMAGE_RECT, CAMERA_INFO_RECT) for side in SIDES),
+    CORRESPONDENCES.name,
+]
+
+
+class Monitor:
+    """Receives PoseArrays and passes each on as stamp [ns], frame and positions [m]."""
+
+    def __init__(self, received: Callable[[int, str, list[tuple[float, float, float]]], None]) -> None:
+        prepare_process()
+        self._context = Context()
+        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        self._node = rclpy.create_node(f"stereo_pick_monitor_{os.getpid()}", context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._received = received
+        self.count = 0
+        self._node.create_subscription(PoseArray, OBJECT_POSES.name, self._on_poses, OBJECT_POSES.qos)
+
+    def spin(self, seconds: float) -> None:
+        """Handle what arrives within this time, one message at the most."""
+        self._executor.spin_once(timeout_sec=seconds)
+
+    def downstream_is_up(self) -> bool:
+        """Whether every topic of the chain has its subscriber, and the poses have their publisher."""
+        return self._node.count_publishers(OBJECT_POSES.name) > 0 and all(
+            self._node.count_subscribers(name) > 0 for name in _AWAITED
+        )
+
+    def close(self) -> None:
+        """Leave the ROS graph."""
+        self._executor.remove_node(self._node)
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+    def _on_poses(self, message: Any) -> None:
+        self.count += 1
+        positions = [(pose.position.x, pose.position.y, pose.position.z) for pose in message.poses]
+        self._received(stamp_ns(message.header.stamp), message.header.frame_id, positions)

@@ -1,0 +1,86 @@
+"""A copy of a bag with the poses in it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
+from rosbags.typesys import Stores, get_typestore
+
+from stereo_pick.core.errors import SourceError
+from stereo_pick.core.pipeline import Result
+from stereo_pick.core.poses import ObjectPoses
+from stereo_pick.sources.bag_reader import opened
+from stereo_pick.sources.source import SourcePair
+
+TOPIC = "/object_poses"
+_TYPE = "geometry_msgs/msg/PoseArray"
+_NS_PER_S = 1_000_000_000
+
+
+def write_pose_bag(source: Path, output: Path, results: Iterable[tuple[SourcePair, Result]]) -> None:
+    """Write `output` (.mcap): the messages of the bag `source` as they are, and a PoseArray for every pair.
+
+    Raises SourceError where `output` exists or `source` is no rosbag2.
+    """
+    if output.exists():
+        raise SourceError(f"--output {output} exists already: remove it, or name another file")
+    folder = output.with_suffix(".writing")
+    try:
+        with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+            _copy(source, writer)
+            _write_poses(writer, results)
+        next(folder.glob("*.mcap")).replace(output)
+    except WriterError as error:
+        raise SourceError(f"--output {output} cannot be written: {error}") from None
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _copy(source: Path, writer: Writer) -> None:
+    with opened(source) as reader:
+        if not reader.is2:
+            raise SourceError(f"{source} is a ROS 1 bag: convert it with `rosbags-convert`, or choose a .jsonl output")
+        copies = {
+            connection.id: writer.add_connection(
+                connection.topic,
+                connection.msgtype,
+                msgdef=connection.msgdef.data,
+                rihs01=connection.digest,
+                offered_qos_profiles=connection.ext.offered_qos_profiles,  # type: ignore[union-attr]
+            )
+            for connection in reader.connections
+        }
+        for connection, recorded_ns, raw in reader.messages():
+            writer.write(copies[connection.id], recorded_ns, raw)
+
+
+def _write_poses(writer: Writer, results: Iterable[tuple[SourcePair, Result]]) -> None:
+    types = get_typestore(Stores.ROS2_JAZZY)
+    connection = writer.add_connection(TOPIC, _TYPE, typestore=types)
+    for pair, result in results:
+        message = _pose_array(types.types, result.poses, pair.left_frame_id)
+        writer.write(connection, pair.recorded_ns, types.serialize_cdr(message, _TYPE))
+
+
+def _pose_array(types: Any, poses: ObjectPoses, frame_id: str) -> Any:
+    time, header, pose, point, quaternion = (
+        types[name]
+        for name in (
+            "builtin_interfaces/msg/Time",
+            "std_msgs/msg/Header",
+            "geometry_msgs/msg/Pose",
+            "geometry_msgs/msg/Point",
+            "geometry_msgs/msg/Quaternion",
+        )
+    )
+    stamp = time(sec=poses.stamp_ns // _NS_PER_S, nanosec=poses.stamp_ns % _NS_PER_S)
+    rows = np.hstack([poses.xyz, poses.quaternions()]).tolist()
+    return types[_TYPE](
+        header=header(stamp=stamp, frame_id=frame_id or "left_camera_optical_frame"),
+        poses=[pose(position=point(*row[:3]), orientation=quaternion(*row[3:])) for row in rows],
+    )

@@ -1,0 +1,105 @@
+"""`stereo-pick replay`: a whole recording offline, to JSON lines or to a new bag with the poses in it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TextIO
+
+from stereo_pick.cli.options import add_pipeline_options, pipeline_values
+from stereo_pick.cli.progress import progress
+from stereo_pick.cli.report import result_mapping
+from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.configuration import steps
+from stereo_pick.core.errors import SourceError
+from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.images import pixels
+from stereo_pick.core.pipeline import Pipeline, Result
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.sources.source import SourcePair, StereoSource, open_source
+
+_DESCRIPTION = """\
+Replay a whole recording offline, as fast as this machine can.
+
+The output is one JSON object a pair and line (as `stereo-pick locate --json` prints it), or, where FILE ends in .mcap,
+a new bag: everything of the old one and the topic object_poses (geometry_msgs/PoseArray)."""
+
+_EPILOG = """\
+examples:
+  stereo-pick replay my_bag --output poses.jsonl
+  stereo-pick replay my_bag --calibration my_rig --method ssd | head
+  stereo-pick replay my_bag --output my_bag_with_poses.mcap"""
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the `replay` subcommand."""
+    parser = subparsers.add_parser(
+        "replay",
+        help="replay a whole recording offline",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("source", type=Path, metavar="BAG", help="a bag, or a folder of image pairs")
+    add_source_options(parser)
+    add_pipeline_options(parser)
+    parser.add_argument("--output", type=Path, metavar="FILE", help="a .jsonl file (default: standard output) or .mcap")
+    parser.set_defaults(run=run)
+
+
+def add_source_options(parser: argparse.ArgumentParser) -> None:
+    """Add what says how a recording is to be read."""
+    parser.add_argument(
+        "--calibration",
+        type=Path,
+        metavar="DIR",
+        help="folder with left.yaml and right.yaml, or an OpenCV YAML file (default: the bag's camera_info)",
+    )
+    parser.add_argument(
+        "--left-topic", default="", metavar="TOPIC", help="the bag's left images (default: by its name)"
+    )
+    parser.add_argument("--right-topic", default="", metavar="TOPIC", help="the bag's right images")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Replay; raises StereoPickError on unusable input, after what came before it was written."""
+    source = open_source(args.source, left_topic=args.left_topic, right_topic=args.right_topic)
+    pipeline = Pipeline(source_rig(source, args), steps(pipeline_values(args)))
+    results = progress(_results(pipeline, source), source.count, "pairs")
+    if args.output is not None and args.output.suffix == ".mcap":
+        from stereo_pick.cli.pose_bag import write_pose_bag
+
+        write_pose_bag(args.source, args.output, results)
+        return 0
+    if args.output is None:
+        _write_lines(sys.stdout, results, args.method)
+        return 0
+    try:
+        with args.output.open("w", encoding="utf-8") as lines:
+            _write_lines(lines, results, args.method)
+    except OSError as error:
+        raise SourceError(f"--output {args.output} cannot be written: {error.strerror}") from None
+    return 0
+
+
+def source_rig(source: StereoSource, args: argparse.Namespace) -> StereoRig:
+    """The rig of --calibration, else that of the recording; raises SourceError where neither is given."""
+    if args.calibration is not None:
+        return load_rig(args.calibration)
+    if source.cameras is None:
+        raise SourceError(f"{args.source} holds no camera_info of both cameras: give --calibration DIR")
+    return StereoRig.from_cameras(*source.cameras)
+
+
+def _write_lines(lines: TextIO, results: Iterable[tuple[SourcePair, Result]], method: str) -> None:
+    for _, result in results:
+        print(json.dumps(result_mapping(result, method)), file=lines)
+
+
+def _results(pipeline: Pipeline, source: StereoSource) -> Iterator[tuple[SourcePair, Result]]:
+    for pair in source:
+        left, right = pixels(pair.left, what="left image"), pixels(pair.right, what="right image")
+        yield pair, pipeline.run(StereoFrame(left, right, pair.stamp_ns))

@@ -1,0 +1,158 @@
+"""`stereo-pick run`: the four nodes on a recording, with the poses in the terminal."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from stereo_pick.cli.chain import DOWNSTREAM, Chain
+from stereo_pick.cli.options import add_pipeline_options, pipeline_values
+from stereo_pick.cli.replay import add_source_options, source_rig
+from stereo_pick.core.configuration import correspondence_groups, declared, triangulation_groups
+from stereo_pick.core.errors import SourceError
+from stereo_pick.core.params import Value
+from stereo_pick.sources.source import open_source
+
+if TYPE_CHECKING:
+    from stereo_pick.cli.monitor import Monitor
+
+Positions = list[tuple[float, float, float]]
+
+_START_S = 20.0
+_SETTLE_S = 0.5
+_QUIET_S = 1.0
+_SPIN_S = 0.05
+
+_DESCRIPTION = """\
+Run the four nodes (capture, rectification, correspondence, triangulation), each as a process of its own, on a
+recorded bag or a folder of image pairs, and show the poses as they come. A picker, RViz or Foxglove can subscribe to
+them meanwhile: object_poses (geometry_msgs/PoseArray), object_markers, image_annotated."""
+
+_EPILOG = """\
+examples:
+  stereo-pick run --source my_bag
+  stereo-pick run --source images/ --calibration my_rig --method ssd --rate 0.5 --loop"""
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the `run` subcommand."""
+    parser = subparsers.add_parser(
+        "run",
+        help="run the four nodes on a recording and show the poses",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--source", type=Path, required=True, metavar="BAG_OR_FOLDER", help="a bag, or a folder of image pairs"
+    )
+    add_source_options(parser)
+    add_pipeline_options(parser)
+    parser.add_argument("--rate", type=float, default=1.0, help="speed of the replay (default: as recorded)")
+    parser.add_argument("--loop", action="store_true", help="start over at the end")
+    parser.add_argument("--one-process", action="store_true", help="all four nodes in one process")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run until the recording ends, or Ctrl-C; raises StereoPickError on unusable input."""
+    source = open_source(args.source, left_topic=args.left_topic, right_topic=args.right_topic)
+    source_rig(source, args)  # what is wrong with it is said here, before anything is started
+    capture: dict[str, Value] = {"source": str(args.source), "rate": args.rate, "loop": args.loop}
+    capture |= {"left_topic": args.left_topic, "right_topic": args.right_topic}
+    if args.calibration is not None:
+        capture["calibration"] = str(args.calibration)
+    received = run_chain(capture, pipeline_values(args), _show, one_process=args.one_process)
+    expected = source.count
+    print(f"{received} pose arrays received" + ("" if args.loop or expected is None else f" for {expected} pairs"))
+    return 0
+
+
+def run_chain(
+    capture: Mapping[str, Value],
+    values: Mapping[str, Value],
+    show: Callable[[int, str, Positions], None],
+    one_process: bool = False,
+    environment: Mapping[str, str] | None = None,
+) -> int:
+    """Start the nodes, call `show` for every PoseArray until the recording ends, and return how many came.
+
+    Raises SourceError where a node ends with an error.
+    """
+    from stereo_pick.cli.monitor import Monitor  # needs ROS, which the other subcommands start without
+
+    stop = threading.Event()
+    with Chain(environment) as chain:
+        _stop_on_signals(stop)
+        monitor = Monitor(show)
+        try:
+            if one_process:
+                chain.start("stereo_pick", {**capture, **values})
+            else:
+                _start_downstream(chain, monitor, values, stop)
+                chain.start("capture", capture)
+            _follow(chain, monitor, "stereo_pick" if one_process else "capture", stop)
+            if not stop.is_set():
+                chain.check()
+        finally:
+            monitor.close()
+    return monitor.count
+
+
+def _start_downstream(chain: Chain, monitor: Monitor, values: Mapping[str, Value], stop: threading.Event) -> None:
+    """Start what listens before what speaks: images are best effort, and nobody repeats them."""
+    groups = {
+        "correspondence": {"method", *declared(correspondence_groups())},
+        "triangulation": set(declared(triangulation_groups())),
+    }
+    for node in DOWNSTREAM:
+        chain.start(node, {name: value for name, value in values.items() if name in groups.get(node, set())})
+    deadline = time.monotonic() + _START_S
+    while not stop.is_set() and not monitor.downstream_is_up():
+        monitor.spin(_SPIN_S)
+        chain.check()
+        if time.monotonic() > deadline:
+            raise SourceError(f"the nodes found no way to each other within {_START_S:.0f} s: is the network blocked?")
+    _spin_for(monitor, _SETTLE_S, stop)
+
+
+def _follow(chain: Chain, monitor: Monitor, last: str, stop: threading.Event) -> None:
+    """Receive until the node `last` has ended and nothing more comes."""
+    while not stop.is_set() and chain.status(last) is None:
+        monitor.spin(_SPIN_S)
+        chain.check()
+    quiet_since, count = time.monotonic(), monitor.count
+    while not stop.is_set() and time.monotonic() - quiet_since < _QUIET_S:
+        monitor.spin(_SPIN_S)
+        if monitor.count > count:
+            quiet_since, count = time.monotonic(), monitor.count
+
+
+def _spin_for(monitor: Monitor, seconds: float, stop: threading.Event) -> None:
+    end = time.monotonic() + seconds
+    while not stop.is_set() and time.monotonic() < end:
+        monitor.spin(_SPIN_S)
+
+
+def _stop_on_signals(stop: threading.Event) -> None:
+    def handler(_number: int, _frame: FrameType | None) -> None:
+        stop.set()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, handler)
+
+
+def _show(time_ns: int, frame_id: str, positions: Positions) -> None:
+    """Print one PoseArray as a line; on a terminal the lines scroll, elsewhere they are a log."""
+    objects = "  ".join(
+        f"{number}: {x * 1e3:8.1f} {y * 1e3:8.1f} {z * 1e3:8.1f}" for number, (x, y, z) in enumerate(positions, start=1)
+    )
+    print(f"{time_ns / 1e9:.3f} {frame_id}  {objects or 'no object'}", flush=True)
+    sys.stdout.flush()

@@ -1,0 +1,82 @@
+"""A board looked for in a recording of stereo pairs, by every detector."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from stereo_pick.core.arrays import Image
+from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.corners import DETECTORS, Detector
+from stereo_pick.core.calibration.views import BoardView, Detections, RejectedView
+from stereo_pick.core.errors import CalibrationError
+
+_NAMED_FILES = 6
+
+
+@dataclass(frozen=True, eq=False)
+class BoardImages:
+    """One raw pair: grey images (H, W) uint8, and what messages call the pair and each image."""
+
+    name: str
+    left_name: str
+    right_name: str
+    left: Image
+    right: Image
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Width and height [px] of the left image."""
+        return self.left.shape[1], self.left.shape[0]
+
+
+def detect(pairs: Iterable[BoardImages], board: Chessboard) -> list[Detections]:
+    """Look for the board in both images of each pair; returns what each detector found.
+
+    Takes the pairs one by one, so that they need not all be in memory. Raises CalibrationError where
+    the images differ in size, or where no detector finds the board in both images of any pair.
+    """
+    first: BoardImages | None = None
+    outcomes: dict[str, list[BoardView | RejectedView]] = {name: [] for name in DETECTORS}
+    names = list[str]()
+    for pair in pairs:
+        first = first or pair
+        _check_size(pair, first)
+        names += [pair.left_name, pair.right_name]
+        for name, detector in DETECTORS.items():
+            outcomes[name].append(_look(pair, board, detector))
+    if first is None:
+        raise CalibrationError("there are no image pairs to look for a board in")
+    found = [_detections(name, first.size_px, outcome) for name, outcome in outcomes.items()]
+    if not any(detections.views for detections in found):
+        more = f" and {len(names) - _NAMED_FILES} more" if len(names) > _NAMED_FILES else ""
+        where = f"{', '.join(names[:_NAMED_FILES])}{more}"
+        raise CalibrationError(
+            f"no chessboard of {board} inner corners found in both images of any pair ({where}): "
+            "count the corners where four squares meet, and show the whole board, lit evenly"
+        )
+    return found
+
+
+def _look(pair: BoardImages, board: Chessboard, detector: Detector) -> BoardView | RejectedView:
+    left_px, right_px = detector(pair.left, board), detector(pair.right, board)
+    if left_px is not None and right_px is not None:
+        return BoardView(pair.name, left_px, right_px)
+    without = [name for name, corners in ((pair.left_name, left_px), (pair.right_name, right_px)) if corners is None]
+    return RejectedView(pair.name, f"no {board} board found in {' and '.join(without)}")
+
+
+def _detections(detector: str, size_px: tuple[int, int], outcome: list[BoardView | RejectedView]) -> Detections:
+    views = tuple(view for view in outcome if isinstance(view, BoardView))
+    rejected = tuple(view for view in outcome if isinstance(view, RejectedView))
+    return Detections(detector, size_px, views, rejected)
+
+
+def _check_size(pair: BoardImages, first: BoardImages) -> None:
+    width, height = first.size_px
+    for name, picture in ((pair.left_name, pair.left), (pair.right_name, pair.right)):
+        if picture.shape[:2] != (height, width):
+            raise CalibrationError(
+                f"{name} is {picture.shape[1]} x {picture.shape[0]}, but {first.left_name} is {width} x {height}: "
+                "record all images, left and right, at one resolution"
+            )

@@ -1,0 +1,193 @@
+"""`stereo-pick calibrate`: files and report for a good recording, one clear sentence and no file for a bad one."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+
+from stereo_pick.cli import calibrate
+from stereo_pick.cli.image_pairs import disagreement, find_files, pair_files
+from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.errors import StereoPickError
+from stereo_pick.core.transform import Transform
+
+BOARD = Chessboard(7, 5, 0.03)
+K = np.array([[420.0, 0, 165], [0, 425, 118], [0, 0, 1]])
+right_T_left = Transform(np.eye(3), np.array([-0.06, 0, 0]))
+
+Calibrate = Callable[..., int]
+
+
+def run(*arguments: str) -> int:
+    parser = argparse.ArgumentParser(prog="stereo-pick")
+    calibrate.add_parser(parser.add_subparsers(required=True))
+    args = parser.parse_args(["calibrate", *arguments])
+    return int(args.run(args))
+
+
+def run_on(folder: Path, left: str, right: str, board: str = "7x5", square: str = "0.03") -> int:
+    return run(
+        *("--left", str(folder / left), "--right", str(folder / right)),
+        *("--board", board, "--square", square, "--output", str(folder / "rig")),
+    )
+
+
+@pytest.fixture(scope="module")
+def rendered(render_board, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Nine rendered pairs, left1.png to left9.png and right1.png to right9.png."""
+    folder = tmp_path_factory.mktemp("rendered")
+    rng = np.random.default_rng(0)
+    for i in range(1, 10):
+        R = cv2.Rodrigues(rng.uniform(-0.5, 0.5, 3) * [1, 1, 0.3])[0]
+        centre = np.array([0.03, 0, 0.5]) + rng.uniform(-1, 1, 3) * [0.02, 0.02, 0.05]
+        left_T_board = Transform(R, centre - R @ BOARD.object_points().mean(axis=0))
+        cv2.imwrite(str(folder / f"left{i}.png"), render_board(BOARD, K, left_T_board, (320, 240)))
+        cv2.imwrite(str(folder / f"right{i}.png"), render_board(BOARD, K, right_T_left @ left_T_board, (320, 240)))
+    return folder
+
+
+@pytest.fixture
+def images(rendered: Path, tmp_path: Path) -> Path:
+    """A copy of the rendered pairs that a test may spoil."""
+    return Path(shutil.copytree(rendered, tmp_path / "images"))
+
+
+def refusal(folder: Path, left: str, right: str, board: str = "7x5", square: str = "0.03") -> str:
+    with pytest.raises(StereoPickError) as caught:
+        run_on(folder, left, right, board, square)
+    assert not (folder / "rig").exists()
+    message = str(caught.value)
+    assert "\n" not in message
+    return message
+
+
+def test_writes_the_rig_and_reports_it(images: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_on(images, "left*.png", "right*.png") == 0
+    printed = capsys.readouterr()
+    rig = load_rig(images / "rig")
+    assert rig.baseline_m == pytest.approx(0.06, abs=0.0005)
+    assert rig.left.K[0, 0] == pytest.approx(420, abs=5)
+    assert yaml.safe_load((images / "rig/right.yaml").read_text())["camera_name"] == "right"
+    for word in ("9 of 9 used", "findChessboardCorners", "px", "mm", "deg", "verdict", "left.yaml", "stereo.yaml"):
+        assert word in printed.out
+    assert printed.err == ""
+
+
+def test_same_images_on_both_sides_are_refused(images: Path) -> None:
+    assert "both cameras see from the same place" in refusal(images, "left*.png", "left*.png")
+
+
+def test_swapped_images_are_refused(images: Path) -> None:
+    assert "swapped" in refusal(images, "right*.png", "left*.png")
+
+
+def test_square_in_millimetres_is_refused(images: Path) -> None:
+    assert "give metres, 0.03" in refusal(images, "left*.png", "right*.png", square="30")
+
+
+def test_pattern_without_files_is_refused(images: Path) -> None:
+    assert "--right" in refusal(images, "left*.png", "recht*.png")
+
+
+def test_lists_of_different_length_name_the_partnerless(images: Path) -> None:
+    (images / "right4.png").unlink()
+    message = refusal(images, "left*.png", "right*.png")
+    assert "9 left and 8 right" in message
+    assert "without a partner: left4.png" in message
+
+
+def test_corrupt_image_is_named(images: Path) -> None:
+    (images / "left3.png").write_bytes((images / "left3.png").read_bytes()[:700])
+    assert "left3.png" in refusal(images, "left*.png", "right*.png")
+
+
+def test_image_of_another_size_is_named(images: Path) -> None:
+    cv2.imwrite(str(images / "right2.png"), np.zeros((120, 160), np.uint8))
+    assert "right2.png is 160 x 120" in refusal(images, "left*.png", "right*.png")
+
+
+def test_wrong_board_is_named(images: Path) -> None:
+    assert "no chessboard of 9x6 inner corners" in refusal(images, "left[12].png", "right[12].png", board="9x6")
+
+
+def test_output_that_is_a_file_is_refused(images: Path) -> None:
+    (images / "rig").write_text("precious")
+    with pytest.raises(StereoPickError, match="is a file"):
+        run_on(images, "left*.png", "right*.png")
+    assert (images / "rig").read_text() == "precious"
+
+
+def test_progress_is_shown_on_a_terminal_only(
+    images: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    run_on(images, "left*.png", "right*.png")
+    assert "\r4/18 images" in capsys.readouterr().err
+
+
+def test_files_are_sorted_as_people_count(tmp_path: Path) -> None:
+    for i in (10, 2, 1):
+        (tmp_path / f"left{i}.png").touch()
+    assert [file.name for file in find_files(str(tmp_path / "left*"), "--left")] == [
+        "left1.png",
+        "left2.png",
+        "left10.png",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "agrees"),
+    [
+        (["left1.png", "left2.png"], ["right1.png", "right2.png"], True),
+        (["left1.png", "left2.png"], ["right2.png", "right3.png"], False),
+        (["left01.png", "left02.png"], ["right1.png", "right2.png"], True),
+        (["0001_cam0.png", "0002_cam0.png"], ["0001_cam1.png", "0002_cam1.png"], True),
+        (["pair_1/left.png", "pair_2/left.png"], ["pair_1/right.png", "pair_3/right.png"], False),
+        (["a.png", "b.png"], ["a.png", "b.png"], True),
+    ],
+)
+def test_numbers_that_disagree_are_said(left: list[str], right: list[str], agrees: bool) -> None:
+    pairs = pair_files([Path(name) for name in left], [Path(name) for name in right])
+    assert (disagreement(pairs) is None) == agrees
+
+
+def test_help_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        run("--help")
+    printed = capsys.readouterr().out
+    assert "--board 9x6 --square 0.030" in printed
+    assert "INNER" in printed
+
+
+def test_bench_rig_names_its_two_bad_pairs(
+    shared_data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = shared_data / "bench_rig/calibration"
+    run(
+        *("--left", f"{folder}/pair_*/left.png", "--right", f"{folder}/pair_*/right.png"),
+        *("--board", "9x6", "--square", "0.029", "--output", str(tmp_path)),
+    )
+    rig, printed = load_rig(tmp_path), capsys.readouterr().out
+    assert rig.baseline_m * 1000 == pytest.approx(210.344, abs=0.05)
+    rejected = [line for line in printed.splitlines() if line.startswith("rejected")]
+    assert len(rejected) == 2
+    assert any("pair_16" in line and "moment" in line for line in rejected)
+    assert any("pair_17" in line and "over-exposed" in line for line in rejected)
+
+
+def test_recording_from_one_camera_is_refused(shared_data: Path, tmp_path: Path) -> None:
+    folder = shared_data / "vigir2024_same_camera"
+    with pytest.raises(StereoPickError, match="both cameras see from the same place"):
+        run(
+            *("--left", f"{folder}/cl_calib_*", "--right", f"{folder}/cr_calib_*"),
+            *("--board", "9x6", "--square", "0.025", "--output", str(tmp_path / "rig")),
+        )
+    assert not (tmp_path / "rig").exists()

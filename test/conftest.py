@@ -1,0 +1,43 @@
+"""Fixtures that every test may use."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from stereo_pick.core.arrays import Floats, Image
+from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.transform import Transform
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The folder of real recordings, which are no part of the project; skips where it is absent."""
+    named = os.environ.get("STEREO_PICK_DATA")
+    folder = Path(named) if named else Path(__file__).resolve().parents[2] / "shared" / "data"
+    if not (folder / "README.md").is_file():
+        pytest.skip(f"no real recordings in {folder}; set STEREO_PICK_DATA to their folder")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def render_board() -> Callable[[Chessboard, Floats, Transform, tuple[int, int]], Image]:
+    """Draws a chessboard as a camera without distortion sees it: board, K, camera_T_board, (width, height) [px]."""
+
+    def render(board: Chessboard, K: Floats, camera_T_board: Transform, size_px: tuple[int, int]) -> Image:
+        fine = 4
+        u, v = (np.arange(n * fine) / fine - 0.5 + 0.5 / fine for n in size_px)
+        pixels = np.stack([*np.meshgrid(u, v), np.ones((len(v), len(u)))], axis=-1)
+        homography = K @ np.c_[camera_T_board.rotation[:, :2], camera_T_board.translation]
+        on_board = pixels @ np.linalg.inv(homography).T
+        x, y = np.moveaxis(on_board[..., :2] / on_board[..., 2:] / board.square_m, -1, 0)
+        inside = (x > -1) & (x < board.columns) & (y > -1) & (y < board.rows)
+        white = ((np.floor(x) + np.floor(y)) % 2 == 1) | ~inside
+        return cv2.resize(np.where(white, 210, 40).astype(np.uint8), size_px, interpolation=cv2.INTER_AREA)
+
+    return render
