@@ -17,7 +17,7 @@ from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.rig import StereoRig
 
-_CONVINCING_COST = 0.1  # on the scale of `Feature.cost`, where 1 is barely possible
+_CONVINCING_COST = 0.1  # on the scale of `Similarity.costs`, where 1 is barely possible
 _CLEARLY_WORSE = 4.0
 
 
@@ -33,8 +33,7 @@ def looks_exchanged(blobs: Blobs, rig: StereoRig) -> bool:
 
 def _fit(left: list[Blob], right: list[Blob], rig: StereoRig) -> tuple[int, float]:
     """How many objects can be paired, and the mean cost of the pairs."""
-    feature = Feature()
-    cost = feature.cost(left, right, feature.disparities_px(rig))
+    cost = Feature().similarity(rig).costs(left, right)
     pairs = assign(cost, unmatched_cost=1.0)
     return len(pairs), float(np.mean([cost[pair] for pair in pairs])) if pairs else np.inf
 

@@ -6,15 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
+from stereo_pick.core.correspondence.faults import faulty
 from stereo_pick.core.correspondence.method import Method
+from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
+from stereo_pick.core.rig import StereoRig
 
 Pairs = list[tuple[int, int]]
 
@@ -57,28 +59,18 @@ class Feature(Method):
         if self.assignment == "area":
             pairs, doubtful = least_area_difference(left, right), set()
         else:
-            cost = self.cost(left, right, self.disparities_px(pair.rig))
+            cost = self.similarity(pair.rig).costs(left, right)
             pairs = uncrossed(assign(cost, unmatched_cost=1.0), cost, left, right)
             doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin)
         kept = [_match(left[i], right[j]) for i, j in pairs if (i, j) not in doubtful]
         refused = [Refusal("ambiguous", left[i].centroid_px, right[j].centroid_px) for i, j in sorted(doubtful)]
-        return collect(kept, [*blobs.refusals(), *refused, *_unmatched(left, right, pairs)])
+        return collect(kept, [*faulty(blobs, self.similarity(pair.rig)), *refused, *_unmatched(left, right, pairs)])
 
-    def cost(self, left: list[Blob], right: list[Blob], disparities_px: tuple[float, float]) -> Floats:
-        """Cost (N, M) of every pair: 0 alike, 1 barely possible, inf impossible.
-
-        Where an epipolar plane touches an object it touches it for both cameras, so in the rectified views an
-        object has the same top and bottom row whatever its shape; its area is nearly the same.
-        """
-        one, other = _features(left)[:, None], _features(right)[None]
-        height = np.minimum(one[..., 1] - one[..., 0], other[..., 1] - other[..., 0])
-        tolerance = self.epipolar_tolerance_px + self.shape_tolerance * height
-        row_gaps = np.abs(one[..., :3] - other[..., :3]) / tolerance[..., None]
-        area_gap = np.abs(np.log(one[..., 4] / other[..., 4])) / max(np.log(self.max_area_ratio), 1e-9)
-        gaps = np.concatenate([row_gaps, area_gap[..., None]], axis=-1)
-        disparity = one[..., 3] - other[..., 3]
-        possible = (gaps <= 1).all(axis=-1) & (disparity >= disparities_px[0]) & (disparity <= disparities_px[1])
-        return np.where(possible, (gaps**2).mean(axis=-1), np.inf)
+    def similarity(self, rig: StereoRig) -> Similarity:
+        """By how much an object may differ between the views of this rig."""
+        return Similarity(
+            self.epipolar_tolerance_px, self.shape_tolerance, self.max_area_ratio, self.disparities_px(rig)
+        )
 
 
 def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
@@ -87,12 +79,6 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
         return []
     areas = np.array([blob.area_px2 for blob in right])
     return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
-
-
-def _features(blobs: list[Blob]) -> Floats:
-    """Top, bottom and centroid row, centroid column, area: (N, 5) [px, px²]."""
-    rows = [(*blob.rows_px, blob.centroid_px[1], blob.centroid_px[0], blob.area_px2) for blob in blobs]
-    return np.array(rows, np.float64).reshape(-1, 5)
 
 
 def _match(left: Blob, right: Blob) -> Match:

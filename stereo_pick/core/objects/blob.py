@@ -10,7 +10,6 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.errors import ArrayError
-from stereo_pick.core.refusal import Refusal
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,12 +86,6 @@ class Blobs:
     def sound(self) -> tuple[list[Blob], list[Blob]]:
         """The objects of the left and of the right view that may be matched."""
         return [blob for blob in self.left if not blob.fault], [blob for blob in self.right if not blob.fault]
-
-    def refusals(self) -> tuple[Refusal, ...]:
-        """The objects that may not be matched, with the reason."""
-        left = [Refusal(blob.fault, blob.centroid_px, None) for blob in self.left if blob.fault]
-        right = [Refusal(blob.fault, None, blob.centroid_px) for blob in self.right if blob.fault]
-        return tuple(left + right)
 
 
 def _signed_area(contour: Floats) -> float:
