@@ -11,8 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
+from stereo_pick.cli.live_table import Positions
 from stereo_pick.cli.locate import write_picture
-from stereo_pick.cli.run import Positions, run_chain
+from stereo_pick.cli.run import run_chain
 from stereo_pick.core.configuration import steps
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.errors import SourceError

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import signal
-import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -13,6 +12,7 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from stereo_pick.cli.chain import DOWNSTREAM, Chain
+from stereo_pick.cli.live_table import LiveTable, Positions
 from stereo_pick.cli.options import add_pipeline_options, pipeline_values
 from stereo_pick.cli.replay import add_source_options, source_rig
 from stereo_pick.core.configuration import correspondence_groups, declared, triangulation_groups
@@ -22,8 +22,6 @@ from stereo_pick.sources.source import open_source
 
 if TYPE_CHECKING:
     from stereo_pick.cli.monitor import Monitor
-
-Positions = list[tuple[float, float, float]]
 
 _START_S = 20.0
 _SETTLE_S = 0.5
@@ -69,7 +67,7 @@ def run(args: argparse.Namespace) -> int:
     capture |= {"left_topic": args.left_topic, "right_topic": args.right_topic}
     if args.calibration is not None:
         capture["calibration"] = str(args.calibration)
-    received = run_chain(capture, pipeline_values(args), _show, one_process=args.one_process)
+    received = run_chain(capture, pipeline_values(args), LiveTable().show, one_process=args.one_process)
     expected = source.count
     print(f"{received} pose arrays received" + ("" if args.loop or expected is None else f" for {expected} pairs"))
     return 0
@@ -147,12 +145,3 @@ def _stop_on_signals(stop: threading.Event) -> None:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, handler)
-
-
-def _show(time_ns: int, frame_id: str, positions: Positions) -> None:
-    """Print one PoseArray as a line; on a terminal the lines scroll, elsewhere they are a log."""
-    objects = "  ".join(
-        f"{number}: {x * 1e3:8.1f} {y * 1e3:8.1f} {z * 1e3:8.1f}" for number, (x, y, z) in enumerate(positions, start=1)
-    )
-    print(f"{time_ns / 1e9:.3f} {frame_id}  {objects or 'no object'}", flush=True)
-    sys.stdout.flush()

@@ -6,6 +6,7 @@ The ROS nodes, the command line, the YAML file and the documentation use these n
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from typing import TypeVar
 
 from stereo_pick.core.correspondence import method_named, methods
@@ -57,8 +58,7 @@ def steps(values: Values) -> Steps:
     """Build the pipeline's steps from full names and values; raises ParameterError on an unknown name or bad value."""
     known = pipeline_parameters()
     for name in values:
-        if name not in known:
-            raise ParameterError(f"there is no parameter {name!r}; there are: {', '.join(known)}")
+        _check_known(name, known)
     name = str(values.get("method", DEFAULT_METHOD))
     return Steps(
         detector=configured(Detector, "segmentation", values),
@@ -80,7 +80,13 @@ def parsed(assignments: Iterable[str]) -> dict[str, Value]:
         name, equals, text = assignment.partition("=")
         if not equals:
             raise ParameterError(f"{assignment!r} must have the form name=value")
-        if name not in known:
-            raise ParameterError(f"there is no parameter {name!r}; there are: {', '.join(known)}")
+        _check_known(name, known)
         values[name] = known[name].parsed(text)
     return values
+
+
+def _check_known(name: str, known: Mapping[str, Parameter]) -> None:
+    if name not in known:
+        near = get_close_matches(name, known, n=1, cutoff=0.4)
+        hint = f"did you mean {near[0]}?" if near else "docs/parameters.md lists them all"
+        raise ParameterError(f"there is no parameter {name!r}; {hint}")

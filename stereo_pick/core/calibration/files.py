@@ -37,7 +37,8 @@ def load_rig(path: Path) -> StereoRig:
         raise CalibrationError(f"{path}: no such calibration folder or file")
     left, right = path / "left.yaml", path / "right.yaml"
     if left.is_file() and right.is_file():
-        return _about(path, lambda: StereoRig.from_cameras(load_camera_info(left), load_camera_info(right)))
+        cameras = load_camera_info(left), load_camera_info(right)
+        return _about(path, lambda: StereoRig.from_cameras(*cameras))
     for name in _OPENCV_NAMES:
         if (path / name).is_file():
             return load_opencv(path / name)
