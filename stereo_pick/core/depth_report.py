@@ -28,8 +28,8 @@ class DepthError:
 
     @property
     def error_m(self) -> float:
-        """Size of the error [m]."""
-        return abs(abs(self.calculated_m) - abs(self.actual_m))
+        """Size of the error [m]; both depths must be counted in the same direction."""
+        return abs(self.calculated_m - self.actual_m)
 
     @property
     def error_percent(self) -> float:

@@ -17,8 +17,9 @@ from stereo_pick.core.triangulation import Points
 class ObjectPoses:
     """N objects in the left camera's own optical frame (x right, y down, z forward), left to right.
 
-    xyz: (N, 3) [m], the point in which the rays through the centroids of the object's two outlines meet: for a
-    compact part close to the centre of its volume, not a point of its surface; yaw_rad: (N,), direction of the
+    xyz: (N, 3) [m], where the two rays of the method's image points meet: with `feature` those through the centroids
+    of the two outlines, for a compact part close to the centre of its volume; with `ssd` a point of the visible
+    surface; yaw_rad: (N,), direction of the
     object's length, turned from x towards y about z; size_m: (N, 2), length and width of its outline as the left
     camera sees it; covariance: (N, 3, 3) [m²]; ray_gap: (N,) [m]; left_px, right_px: (N, 2) in the raw images [px].
     """

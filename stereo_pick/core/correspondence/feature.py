@@ -9,7 +9,7 @@ import numpy as np
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
-from stereo_pick.core.correspondence.faults import faulty
+from stereo_pick.core.correspondence.left_over import left_over
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.frames import RectifiedPair
@@ -64,7 +64,8 @@ class Feature(Method):
             doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin)
         kept = [_match(left[i], right[j]) for i, j in pairs if (i, j) not in doubtful]
         refused = [Refusal("ambiguous", left[i].centroid_px, right[j].centroid_px) for i, j in sorted(doubtful)]
-        return collect(kept, [*faulty(blobs, self.similarity(pair.rig)), *refused, *_unmatched(left, right, pairs)])
+        paired = [left[i] for i, _ in pairs] + [right[j] for _, j in pairs]
+        return collect(kept, [*refused, *left_over(blobs, paired, self.similarity(pair.rig))])
 
     def similarity(self, rig: StereoRig) -> Similarity:
         """By how much an object may differ between the views of this rig."""
@@ -85,11 +86,3 @@ def _match(left: Blob, right: Blob) -> Match:
     sigma_px = _EDGE_SIGMA_PX / np.sqrt(_INDEPENDENT_ARCS)
     length, width, direction = left.rectangle
     return Match(left.centroid_px, right.centroid_px, (sigma_px, sigma_px), (length, width), direction)
-
-
-def _unmatched(left: list[Blob], right: list[Blob], pairs: Pairs) -> list[Refusal]:
-    seen_left, seen_right = {i for i, _ in pairs}, {j for _, j in pairs}
-    return [
-        *(Refusal("left_only", blob.centroid_px, None) for i, blob in enumerate(left) if i not in seen_left),
-        *(Refusal("right_only", None, blob.centroid_px) for j, blob in enumerate(right) if j not in seen_right),
-    ]

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
-from stereo_pick.core.correspondence.faults import faulty
 from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.correspondence.left_over import left_over
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.window import Grey, WindowFit, refine, ssd_along_row, window_at
 from stereo_pick.core.errors import ParameterError
@@ -20,7 +20,7 @@ from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 
-_MODEL_SIGMA_PX = 0.2  # in each view: a window seen from two sides is not the same picture; see docs/accuracy.md
+_MODEL_SIGMA_PX = 0.6  # in each view: a window seen from two sides is not the same picture; see docs/accuracy.md
 _FULL_WINDOW_PX = 3
 
 
@@ -62,7 +62,7 @@ class Ssd(Method):
         images = pair.left.astype(np.float32), pair.right.astype(np.float32)
         disparities_px = self.disparities_px(pair.rig)
         matches: list[Match] = []
-        refused = faulty(blobs, Feature().similarity(pair.rig))
+        refused = left_over(blobs, [*left, *right], Feature().similarity(pair.rig))
         for blob in left:
             if self.search == "full":
                 matches.append(_match(blob, _full_search(*images, blob.centroid_px), _FULL_WINDOW_PX))

@@ -8,8 +8,11 @@ from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.blob import Blob, Blobs
 from stereo_pick.core.objects.foreground import Contrast, foreground, measure_contrast
 from stereo_pick.core.objects.outline import outlines
+from stereo_pick.core.objects.silhouette import refine_contour
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.params import Configurable, parameter
+
+_MIN_EDGE_SIGMA = 3.0  # noise by which both sides of an edge must differ for its place to be refined
 
 
 @dataclass(frozen=True)
@@ -74,11 +77,15 @@ class Detector(Configurable):
             for polarity in polarities
         ]
         best = max(readings, key=_contrast_energy)
-        return Blobs(self._judged(best.left), self._judged(best.right), best.polarity)
+        return Blobs(
+            self._finished(best.left, views[0], contrasts[0]),
+            self._finished(best.right, views[1], contrasts[1]),
+            best.polarity,
+        )
 
     def _find(self, view: View, contrast: Contrast, polarity: str) -> tuple[Blob, ...]:
         fore = foreground(view, contrast, polarity)
-        found = outlines(view, fore, self.min_area_px, self.closing_px, self.subpixel)
+        found = outlines(view, fore, self.min_area_px, self.closing_px)
         ordered = sorted(found, key=lambda blob: float(blob.centroid_px[0]))
         return tuple(b for b in ordered if _within(b.centroid_px[1], self.roi_y_px, self.roi_height_px))
 
@@ -86,19 +93,23 @@ class Detector(Configurable):
         """The left view's objects in the region of interest; the right view shows it at unknown columns."""
         return tuple(b for b in blobs if _within(b.centroid_px[0], self.roi_x_px, self.roi_width_px))
 
-    def _judged(self, blobs: tuple[Blob, ...]) -> tuple[Blob, ...]:
+    def _finished(self, blobs: tuple[Blob, ...], view: View, contrast: Contrast) -> tuple[Blob, ...]:
+        """The objects with refined outlines, and with their faults."""
         strongest = max((blob.contrast for blob in blobs), default=0.0)
         least = max(float(self.min_contrast), self.min_relative_contrast * strongest)
-        return tuple(replace(blob, fault=self._fault(blob, least)) for blob in blobs)
+        return tuple(
+            replace(blob, fault="faint") if blob.contrast < least else self._outlined(blob, view, contrast)
+            for blob in blobs
+        )
 
-    def _fault(self, blob: Blob, min_contrast: float) -> str:
-        if blob.contrast < min_contrast:
-            return "faint"
+    def _outlined(self, blob: Blob, view: View, contrast: Contrast) -> Blob:
+        contour_px = blob.contour_px
+        if self.subpixel:
+            contour_px = refine_contour(view.sharp, contour_px, _MIN_EDGE_SIGMA * contrast.noise)
+        blob = replace(blob, contour_px=contour_px)
         if blob.cut:
-            return "cut_by_border"
-        if blob.concavity > self.max_concavity:
-            return "merged"
-        return ""
+            return replace(blob, fault="cut_by_border")
+        return replace(blob, fault="merged") if blob.concavity > self.max_concavity else blob
 
 
 def _within(place_px: float, first_px: int, size_px: int) -> bool:

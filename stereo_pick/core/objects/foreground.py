@@ -37,12 +37,11 @@ class Contrast:
 class Foreground:
     """mask: (H, W), the object pixels; excess: (H, W), grey levels by which each pixel stands out from the
     background in the direction of the polarity; trim: part of an object's own excess below which a pixel at its
-    rim is glow or shadow; noise: one sigma of the background [grey levels]."""
+    rim is glow or shadow."""
 
     mask: Bools
     excess: NDArray[np.float32]
     trim: float
-    noise: float
 
 
 def measure_contrast(view: View, method: str, fixed_threshold: int, threshold_sigma: float) -> Contrast:
@@ -65,7 +64,7 @@ def foreground(view: View, contrast: Contrast, polarity: str) -> Foreground:
     excess = contrast.difference if bright else -contrast.difference
     limit = contrast.bright_threshold if bright else contrast.dark_threshold
     mask = (excess > limit) & view.inside
-    return Foreground(mask, excess, _TRIM[polarity] if contrast.trims else 0.0, contrast.noise)
+    return Foreground(mask, excess, _TRIM[polarity] if contrast.trims else 0.0)
 
 
 def _otsu(view: View) -> float:

@@ -11,14 +11,11 @@ from numpy.typing import NDArray
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.objects.blob import Blob
 from stereo_pick.core.objects.foreground import Foreground
-from stereo_pick.core.objects.silhouette import refine_contour
 from stereo_pick.core.objects.view import View
 
-_MIN_CONTRAST_SIGMA = 3.0
 
-
-def outlines(view: View, fore: Foreground, min_area_px: int, closing_px: int, subpixel: bool) -> Iterator[Blob]:
-    """Yield the objects of one view; `subpixel` refines each outline to the half-way grey level."""
+def outlines(view: View, fore: Foreground, min_area_px: int, closing_px: int) -> Iterator[Blob]:
+    """Yield the objects of one view; their contours run through the centres of their outermost pixels."""
     mask = cv2.medianBlur(fore.mask.astype(np.uint8), 3)  # salt and pepper
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     for label in range(1, count):
@@ -29,7 +26,7 @@ def outlines(view: View, fore: Foreground, min_area_px: int, closing_px: int, su
         member = labels[window] == label
         for pixels, contrast in _trimmed(member, fore.excess[window], fore.trim, min_area_px, closing_px):
             contour = _outer_contour(pixels) + (x - closing_px, y - closing_px)
-            yield _blob(view, contour, contrast, fore.noise, subpixel)
+            yield Blob(contour, contrast, cut=_leaves(view, contour))
 
 
 def _trimmed(
@@ -54,8 +51,6 @@ def _outer_contour(pixels: NDArray[np.uint8]) -> Floats:
     return np.asarray(max(contours, key=len)[:, 0], np.float64)
 
 
-def _blob(view: View, contour: Floats, contrast: float, noise: float, subpixel: bool) -> Blob:
+def _leaves(view: View, contour: Floats) -> bool:
     columns, rows = contour.astype(np.int64).T
-    cut = not bool(view.core[rows, columns].all())
-    refined = refine_contour(view.sharp, contour, _MIN_CONTRAST_SIGMA * noise) if subpixel else contour
-    return Blob(refined, contrast, cut)
+    return not bool(view.core[rows, columns].all())
