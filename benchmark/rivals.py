@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.correspondence import Correspondences, Method
 from stereo_pick.core.correspondence.correspondences import Match, collect
-from stereo_pick.core.correspondence.faults import faulty
 from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.correspondence.left_over import left_over
 from stereo_pick.core.correspondence.ssd import Ssd
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
 from stereo_pick.core.objects import Blob, Blobs, Detector
@@ -58,8 +58,9 @@ class DenseStereo(Method):
         """Return left centroids, and the right points at the objects' median disparity."""
         least, most = self.disparities_px(pair.rig)
         disparity_px = self._disparity(pair, int(np.floor(least)), int(np.ceil(most)))
-        matches, refused = [], faulty(blobs, Feature().similarity(pair.rig))
-        for blob in blobs.sound()[0]:
+        left, right = blobs.sound()
+        matches, refused = [], left_over(blobs, [*left, *right], Feature().similarity(pair.rig))
+        for blob in left:
             seen = disparity_px[_mask(blob, disparity_px.shape)]
             seen = seen[np.isfinite(seen)]
             if len(seen) == 0:
