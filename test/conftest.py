@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -12,7 +13,14 @@ import pytest
 
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.detection import BoardImages, detect
+from stereo_pick.core.calibration.result import CalibrationResult
+from stereo_pick.core.calibration.solving import calibrate_best
+from stereo_pick.core.frames import grey
+from stereo_pick.core.images import read_image
 from stereo_pick.core.transform import Transform
+
+Calibrated = Callable[[str, str, Chessboard], CalibrationResult]
 
 
 @pytest.fixture(scope="session")
@@ -41,3 +49,18 @@ def render_board() -> Callable[[Chessboard, Floats, Transform, tuple[int, int]],
         return cv2.resize(np.where(white, 210, 40).astype(np.uint8), size_px, interpolation=cv2.INTER_AREA)
 
     return render
+
+
+@pytest.fixture(scope="session")
+def calibrated(shared_data: Path) -> Calibrated:
+    """Calibrates from a real recording, once: patterns of the left and right files, and the board."""
+
+    @cache
+    def result(left: str, right: str, board: Chessboard) -> CalibrationResult:
+        pairs = [
+            BoardImages(f"{a.parent.name}/{a.name}", a.name, b.name, grey(read_image(a)), grey(read_image(b)))
+            for a, b in zip(sorted(shared_data.glob(left)), sorted(shared_data.glob(right)))
+        ]
+        return calibrate_best(detect(pairs, board), board)
+
+    return result

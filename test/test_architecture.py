@@ -29,6 +29,7 @@ CORE_LAYERS = (
     "params",
     "refusal",
     "transform",
+    "rays",
     "camera",
     "rectified_view",
     "rig",

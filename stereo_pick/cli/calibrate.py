@@ -11,7 +11,8 @@ from stereo_pick.cli.image_pairs import FilePair, disagreement, find_files, pair
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.detection import BoardImages, detect
 from stereo_pick.core.calibration.files import save_rig
-from stereo_pick.core.calibration.solving import CalibrationResult, calibrate_best
+from stereo_pick.core.calibration.result import CalibrationResult
+from stereo_pick.core.calibration.solving import calibrate_best
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.images import read_image

@@ -13,9 +13,9 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Ints, floats
 from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.core.rays import closest_points
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.transform import Transform
 
 _STEP_PX = 0.01
 
@@ -71,25 +71,6 @@ class Triangulator(Configurable):
         ]
         covariance = _covariance(left_px, right_px, correspondences.sigma_px, rig)
         return Points((left + right)[row] / 2, covariance[row], gap[row], row, (*correspondences.refused, *refused))
-
-
-def closest_points(left_rays: Floats, right_rays: Floats, right_T_left: Transform) -> tuple[Floats, Floats]:
-    """Where each ray comes nearest to its partner: points (N, 3) [m] on the left and on the right ray, left frame.
-
-    The closed form of eq. 3.21: `[Z_R, Z_L] = (A'A)^-1 A'T` with `A = [alpha, p_l]`, `alpha = -R p_r`, solved for
-    both depths. Rays (N, 3) in each camera's own frame. Parallel rays meet nowhere: they come out behind the camera.
-    """
-    left_T_right = right_T_left.inverse()
-    p, T = left_rays, left_T_right.translation
-    alpha = -right_rays @ left_T_right.rotation.T
-    pp, aa, ap = (p * p).sum(axis=1), (alpha * alpha).sum(axis=1), (alpha * p).sum(axis=1)
-    aT, pT = alpha @ T, p @ T
-    determinant = aa * pp - ap * ap
-    parallel = determinant < 1e-12 * aa * pp
-    determinant = np.where(parallel, 1.0, determinant)
-    z_right = np.where(parallel, -1.0, (pp * aT - ap * pT) / determinant)
-    z_left = np.where(parallel, -1.0, (aa * pT - ap * aT) / determinant)
-    return p * z_left[:, None], T - alpha * z_right[:, None]
 
 
 def _covariance(left_px: Floats, right_px: Floats, sigma_px: Floats, rig: StereoRig) -> Floats:

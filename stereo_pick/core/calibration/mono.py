@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike
 
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.parameters import transform
 from stereo_pick.core.calibration.views import BoardView, RejectedView, check_enough, outlier_limit_px
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ArrayError, CalibrationError
@@ -80,12 +80,6 @@ def calibrate_camera(
         ) from None
     poses = tuple(transform(r, t) for r, t in zip(rvecs, tvecs))
     return MonoCalibration(camera, poses, np.asarray(errors, np.float64).ravel())
-
-
-def transform(rvec: ArrayLike, tvec: ArrayLike) -> Transform:
-    """The transform of OpenCV's rotation vector and translation."""
-    rotation, _ = cv2.Rodrigues(np.asarray(rvec, np.float64))
-    return Transform(floats("rotation", rotation, 3, 3), floats("translation", np.ravel(tvec), 3))
 
 
 def _imprecise(side: str, errors_px: Floats, worst: int) -> str:

@@ -3,59 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from simulated_views import BOARD, RIG, SIZE_PX, make_views, rotation
 
-from stereo_pick.core.arrays import Image
 from stereo_pick.core.calibration.boards import Chessboard
-from stereo_pick.core.calibration.detection import BoardImages, detect
-from stereo_pick.core.calibration.solving import CalibrationResult, calibrate, calibrate_best
+from stereo_pick.core.calibration.result import CalibrationResult
+from stereo_pick.core.calibration.solving import calibrate
 from stereo_pick.core.calibration.views import BoardView
-from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError
-from stereo_pick.core.frames import grey
-from stereo_pick.core.images import read_image
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.transform import Transform
-
-BOARD = Chessboard(8, 6, 0.025)
-SIZE_PX = (640, 480)
-
-
-def rotation(*rvec: float) -> np.ndarray:
-    return cv2.Rodrigues(np.array(rvec))[0]
-
-
-def true_rig() -> StereoRig:
-    eye, P = np.eye(3), np.eye(3, 4)
-    left = Camera("left", *SIZE_PX, [[810, 0, 331], [0, 815, 236], [0, 0, 1]], [-0.27, 0.11, 0.001, -0.002, 0], eye, P)
-    right = Camera(
-        "right", *SIZE_PX, [[795, 0, 312], [0, 799, 247], [0, 0, 1]], [-0.25, 0.08, -0.001, 0.001, 0], eye, P
-    )
-    return StereoRig.from_extrinsics(left, right, Transform(rotation(0.02, 0.2, -0.03), [-0.118, 0.003, 0.017]))
-
-
-RIG = true_rig()
-
-
-def make_views(count: int = 12, noise_px: float = 0.0, seed: int = 0, rig: StereoRig = RIG) -> list[BoardView]:
-    """Views of a board held about 0.6 m away, tilted by up to 35 degrees."""
-    rng = np.random.default_rng(seed)
-    views = []
-    for i in range(count):
-        R = rotation(*rng.uniform(-0.6, 0.6, 2), rng.uniform(-0.3, 0.3))
-        centre = np.array([0.0, 0.0, 0.6]) + rng.uniform(-1, 1, 3) * [0.06, 0.05, 0.12]
-        points = (BOARD.object_points() - BOARD.object_points().mean(axis=0)) @ R.T + centre
-        left_px, right_px = (
-            pixels + rng.normal(0, noise_px, pixels.shape) if noise_px else pixels for pixels in rig.project(points)
-        )
-        views.append(BoardView(f"pair{i}", left_px, right_px))
-    return views
 
 
 def replaced(views: list[BoardView], index: int, left_px: np.ndarray, right_px: np.ndarray) -> list[BoardView]:
@@ -81,7 +42,7 @@ def test_exact_corners_give_the_exact_rig() -> None:
 
 
 def test_ends_no_higher_than_opencv() -> None:
-    views = make_views(noise_px=0.3)
+    views = make_views(noise_px=0.05)
     points = [BOARD.object_points().astype(np.float32)] * len(views)
     left, right = ([getattr(v, side).astype(np.float32) for v in views] for side in ("left_px", "right_px"))
     guesses = [
@@ -198,29 +159,8 @@ def test_corners_of_another_board_are_refused() -> None:
         calibrate(make_views(), SIZE_PX, Chessboard(9, 6, 0.025))
 
 
-Recording = Callable[[str, str, Chessboard], CalibrationResult]
-
-
-@pytest.fixture
-def recording(shared_data: Path) -> Recording:
-    """Calibrates from a real recording: patterns of the left and right files, and the board."""
-
-    def result(left: str, right: str, board: Chessboard) -> CalibrationResult:
-        pairs = [
-            BoardImages(a.name, a.name, b.name, read(a), read(b))
-            for a, b in zip(sorted(shared_data.glob(left)), sorted(shared_data.glob(right)))
-        ]
-        return calibrate_best(detect(pairs, board), board)
-
-    return result
-
-
-def read(path: Path) -> Image:
-    return grey(read_image(path))
-
-
-def test_bouguet_gives_what_the_toolbox_published(recording: Recording, shared_data: Path) -> None:
-    result = recording("bouguet_stereo/left*.jpg", "bouguet_stereo/right*.jpg", Chessboard(9, 6, 0.03))
+def test_bouguet_gives_what_the_toolbox_published(calibrated, shared_data: Path) -> None:
+    result = calibrated("bouguet_stereo/left*.jpg", "bouguet_stereo/right*.jpg", Chessboard(9, 6, 0.03))
     published = json.loads((shared_data / "bouguet_stereo/published.json").read_text())["after_stereo_optimisation"]
     assert len(result.used) == 14
     assert result.detector == "findChessboardCorners + cornerSubPix"
@@ -235,15 +175,15 @@ def test_bouguet_gives_what_the_toolbox_published(recording: Recording, shared_d
     assert 3000 * result.baseline_sigma_m == pytest.approx(published["T_mm_pm"][0], rel=0.05)
 
 
-def test_flipped_boards_of_a_students_rig_are_all_used(recording: Recording) -> None:
-    result = recording("vigir2023_puma/calib/left*", "vigir2023_puma/calib/right*", Chessboard(8, 6, 0.025))
+def test_flipped_boards_of_a_students_rig_are_all_used(calibrated) -> None:
+    result = calibrated("vigir2023_puma/calib/left*", "vigir2023_puma/calib/right*", Chessboard(8, 6, 0.025))
     assert len(result.used) == 11
     assert result.rms_px == pytest.approx(0.537, abs=0.01)
     assert result.detector == "findChessboardCornersSB"
     np.testing.assert_allclose(result.rig.right_T_left.translation * 1000, [-260.7, -1.3, 38.2], atol=0.5)
 
 
-def test_webcam_rig_held_by_hand(recording: Recording) -> None:
-    result = recording("sourishg/set1/left*", "sourishg/set1/right*", Chessboard(9, 6, 0.02423))
+def test_webcam_rig_held_by_hand(calibrated) -> None:
+    result = calibrated("sourishg/set1/left*", "sourishg/set1/right*", Chessboard(9, 6, 0.02423))
     assert len(result.used) == 29
     assert result.rig.baseline_m * 1000 == pytest.approx(93.9, abs=0.1)
