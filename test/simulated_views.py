@@ -44,3 +44,14 @@ def make_views(count: int = 12, noise_px: float = 0.0, seed: int = 0, rig: Stere
         )
         views.append(BoardView(f"pair{i}", left_px, right_px))
     return views
+
+
+def triangulated(rig: StereoRig, left_px: np.ndarray, right_px: np.ndarray) -> np.ndarray:
+    """Least squares of where the two rays meet, by each camera's undistorted coordinates."""
+    pose = rig.right_T_left
+    points = []
+    for (x, y), (u, v) in zip(rig.left.normalized(left_px), rig.right.normalized(right_px)):
+        rays = np.c_[[x, y, 1], -pose.rotation.T @ [u, v, 1]]
+        near, far = np.linalg.lstsq(rays, -pose.rotation.T @ pose.translation, rcond=None)[0]
+        points.append((rays[:, 0] * near + pose.inverse().apply(far * np.array([u, v, 1]))) / 2)
+    return np.array(points)

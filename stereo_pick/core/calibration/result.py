@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.coverage import Coverage, coverage
+from stereo_pick.core.calibration.held_out import HeldOut, cross_validate
 from stereo_pick.core.calibration.refinement import StereoSolution
 from stereo_pick.core.calibration.residual_table import CameraResiduals, residual_table
 from stereo_pick.core.calibration.uncertainty import CalibrationUncertainty
@@ -24,6 +28,16 @@ class UsedView:
     name: str
     left_px: float
     right_px: float
+
+
+@dataclass(frozen=True)
+class PointSigma:
+    """Standard deviations [m] of a triangulated point at a depth [m], from the calibration alone; left frame."""
+
+    depth_m: float
+    x_m: float
+    y_m: float
+    z_m: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +82,32 @@ class CalibrationResult:
     def uncertainty(self) -> CalibrationUncertainty:
         """How sure each number is, and what is triangulated with them."""
         return CalibrationUncertainty(self.solution.size_px, self.solution.parameters, self.solution.covariance)
+
+    @cached_property
+    def held_out(self) -> HeldOut | None:
+        """Errors of views that took no part; None where there are too few to leave any out."""
+        return cross_validate(self.board, self.views, self.solution)
+
+    @property
+    def coverage(self) -> Coverage:
+        """Which part of the images and which tilts the views cover."""
+        return coverage(self.views, self.solution, self._centre_m)
+
+    @property
+    def point_sigmas(self) -> tuple[PointSigma, ...]:
+        """What the calibration leaves uncertain of a point, near, between and far, where the boards were seen."""
+        centres = np.array([pose.apply(self._centre_m) for pose in self.solution.poses])
+        near, far = centres[:, 2].min(), centres[:, 2].max()
+        rows = list[PointSigma]()
+        for depth_m in (near, (near + far) / 2, far):
+            covariance = self.uncertainty.point_covariance(centres / centres[:, 2:] * depth_m)
+            x, y, z = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2).mean(axis=0)).tolist()
+            rows.append(PointSigma(float(depth_m), x, y, z))
+        return tuple(rows)
+
+    @property
+    def _centre_m(self) -> Floats:
+        return np.asarray(self.board.object_points().mean(axis=0))
 
     @property
     def rotation_deg(self) -> float:

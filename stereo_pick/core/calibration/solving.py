@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.calibration.boards import Chessboard
-from stereo_pick.core.calibration.consensus import agree
 from stereo_pick.core.calibration.distortion import supported
+from stereo_pick.core.calibration.mirrored import agree_unless_mirrored
 from stereo_pick.core.calibration.mono import MonoCalibration, calibrate_cameras
 from stereo_pick.core.calibration.outliers import refine_without_outliers, without_gross
 from stereo_pick.core.calibration.parameters import TRANSLATION
@@ -39,7 +40,7 @@ def calibrate(
     """
     check_views(views, board)
     left, right, kept, rejected = calibrate_cameras(views, size_px, board, rejected)
-    consensus = agree(board, kept, left, right)
+    consensus = agree_unless_mirrored(board, kept, left, right)
     used, rejected = without_gross(consensus, rejected)
     usual, used, rejected = refine_without_outliers(board, consensus, used, rejected, left, right)
     left, right, pairs = left.only(used), right.only(used), [consensus.views[i] for i in used]
@@ -60,8 +61,8 @@ def calibrate(
 def calibrate_best(recordings: Sequence[Detections], board: Chessboard) -> CalibrationResult:
     """Calibrate from what each detector found in one recording, and keep the surest result.
 
-    That is the one whose baseline has the least standard deviation, which weighs the rms per corner
-    against the number of views used and what they say. Raises CalibrationError as `calibrate` does
+    That is the one whose corners the calibration predicts best in views that took no part, weighed by
+    the number of views. Raises CalibrationError as `calibrate` does
     where no detector's corners give a rig; the error is that of the detector that found most.
     """
     results, failures = list[CalibrationResult](), list[tuple[int, CalibrationError]]()
@@ -72,7 +73,13 @@ def calibrate_best(recordings: Sequence[Detections], board: Chessboard) -> Calib
             failures.append((len(found.views), error))
     if not results:
         raise max(failures, key=lambda failure: failure[0])[1]
-    return min(results, key=lambda result: result.baseline_sigma_m)
+    return min(results, key=_unsureness_px)
+
+
+def _unsureness_px(result: CalibrationResult) -> float:
+    """What the errors of single views leave in the mean of them all [px]."""
+    error_px = result.held_out.epipolar_rms_px if result.held_out else result.rms_px
+    return error_px / math.sqrt(len(result.views))
 
 
 def _check(solution: StereoSolution, left: MonoCalibration) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from simulated_views import BOARD, RIG, SIZE_PX, USUAL_D, make_views, rig_with
+from simulated_views import BOARD, RIG, SIZE_PX, USUAL_D, make_views, rig_with, triangulated
 
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.parameters import NAMES, UNITS, DistortionModel, rig_vector
@@ -51,23 +51,12 @@ def test_stated_covariance_of_points_covers_their_errors() -> None:
     left_px, right_px = RIG.project(WORK_M)
     squares = []
     for result in simulated():
-        error = triangulated(result, left_px, right_px) - WORK_M
+        error = triangulated(result.rig, left_px, right_px) - WORK_M
         covariance = result.uncertainty.point_covariance(WORK_M)
         squares.append(np.einsum("ni,ni->n", error, np.linalg.solve(covariance, error[..., None])[..., 0]))
     # Chi-square of three degrees of freedom: its 68.3 and 95 % points.
     assert np.mean(np.array(squares) < 3.53) == pytest.approx(0.683, abs=0.07)
     assert np.mean(np.array(squares) < 7.81) == pytest.approx(0.95, abs=0.04)
-
-
-def triangulated(result: CalibrationResult, left_px: np.ndarray, right_px: np.ndarray) -> np.ndarray:
-    """Least squares of where the two rays meet, by each camera's undistorted coordinates."""
-    pose = result.rig.right_T_left
-    points = []
-    for (x, y), (u, v) in zip(result.rig.left.normalized(left_px), result.rig.right.normalized(right_px)):
-        rays = np.c_[[x, y, 1], -pose.rotation.T @ [u, v, 1]]
-        near, far = np.linalg.lstsq(rays, -pose.rotation.T @ pose.translation, rcond=None)[0]
-        points.append((rays[:, 0] * near + pose.inverse().apply(far * np.array([u, v, 1]))) / 2)
-    return np.array(points)
 
 
 def test_points_far_away_are_less_sure() -> None:

@@ -1,0 +1,86 @@
+"""How well a calibration predicts the views that it was not made from (cross-validation)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.refinement import StereoSolution, refine
+from stereo_pick.core.calibration.views import MIN_VIEWS, BoardView
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.rays import closest_points
+from stereo_pick.core.transform import Transform
+
+FOLDS = 5
+
+Cameras = tuple[Camera, Camera, Transform]
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """Errors of views that took no part: epipolar_px (V, N) [px], the distance of each right corner from its left
+    corner's epipolar line; length_m (V,) [m], the rms error of the board's known lengths (its rows, its columns).
+    """
+
+    epipolar_px: Floats
+    length_m: Floats
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "epipolar_px", floats("epipolar_px", self.epipolar_px, None, None))
+        object.__setattr__(self, "length_m", floats("length_m", self.length_m, len(self.epipolar_px)))
+
+    @property
+    def epipolar_rms_px(self) -> float:
+        """Rms distance [px] of a corner from its epipolar line."""
+        return float(np.sqrt(np.mean(self.epipolar_px**2)))
+
+    @property
+    def length_rms_m(self) -> float:
+        """Rms error [m] of the board's lengths."""
+        return float(np.sqrt(np.mean(self.length_m**2)))
+
+
+def cross_validate(board: Chessboard, views: Sequence[BoardView], solution: StereoSolution) -> HeldOut | None:
+    """Calibrate FOLDS times without a part of the views, and measure on that part; None for too few views.
+
+    solution: the refinement of all the views, from which every fold begins.
+    """
+    folds = min(FOLDS, len(views))
+    if len(views) - -(-len(views) // folds) < MIN_VIEWS:
+        return None
+    epipolar, length = np.zeros((len(views), board.corner_count)), np.zeros(len(views))
+    for fold in range(folds):
+        kept = [i for i in range(len(views)) if i % folds != fold]
+        poses = [solution.poses[i] for i in kept]
+        cameras = refine(board, [views[i] for i in kept], solution.cameras, poses, solution.model).cameras
+        for i in range(fold, len(views), folds):
+            epipolar[i], length[i] = epipolar_px(cameras, views[i]), length_error_m(cameras, views[i], board)
+    return HeldOut(epipolar, length)
+
+
+def epipolar_px(cameras: Cameras, view: BoardView) -> Floats:
+    """Distance (N,) [px] of the right corners from the epipolar lines of the left ones, lens distortion taken out."""
+    left, right, right_T_left = cameras
+    x, y, z = right_T_left.translation
+    essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ right_T_left.rotation
+    lines = np.c_[left.normalized(view.left_px), np.ones(len(view.left_px))] @ essential.T
+    # In pixels of the right camera without its distortion.
+    lines = lines @ np.linalg.inv(right.K)
+    pixels = np.c_[right.normalized(view.right_px), np.ones(len(view.right_px))] @ right.K.T
+    return np.asarray(np.abs((lines * pixels).sum(axis=1)) / np.linalg.norm(lines[:, :2], axis=1))
+
+
+def length_error_m(cameras: Cameras, view: BoardView, board: Chessboard) -> float:
+    """Rms error [m] of the triangulated lengths of the board's rows and columns."""
+    left, right, right_T_left = cameras
+    sides = (left, view.left_px), (right, view.right_px)
+    rays = [np.c_[camera.normalized(px), np.ones(len(px))] for camera, px in sides]
+    on_left, on_right = closest_points(rays[0], rays[1], right_T_left)
+    grid = ((on_left + on_right) / 2).reshape(board.rows, board.columns, 3)
+    rows = np.linalg.norm(grid[:, -1] - grid[:, 0], axis=1) - (board.columns - 1) * board.square_m
+    columns = np.linalg.norm(grid[-1] - grid[0], axis=1) - (board.rows - 1) * board.square_m
+    return float(np.sqrt(np.mean(np.concatenate([rows, columns]) ** 2)))

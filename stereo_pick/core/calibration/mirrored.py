@@ -1,0 +1,44 @@
+"""An image that its driver or a glass mirrors: each camera alone calibrates well, the two together never."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.consensus import Consensus, agree
+from stereo_pick.core.calibration.mono import MonoCalibration, calibrate_camera
+from stereo_pick.core.calibration.views import BoardView
+from stereo_pick.core.errors import CalibrationError
+
+
+def agree_unless_mirrored(
+    board: Chessboard, views: Sequence[BoardView], left: MonoCalibration, right: MonoCalibration
+) -> Consensus:
+    """What most pairs agree on; raises CalibrationError, naming a mirrored image where they agree without it."""
+    try:
+        return agree(board, views, left, right)
+    except CalibrationError:
+        if _agree_mirrored(board, views, left):
+            raise CalibrationError(
+                "one of the two images is mirrored: the pairs agree on where the cameras stand only when the right one "
+                "is flipped; switch the flip off in that camera's driver, or do not look through a glass"
+            ) from None
+        raise
+
+
+def _agree_mirrored(board: Chessboard, views: Sequence[BoardView], left: MonoCalibration) -> bool:
+    size_px = left.camera.frame_size
+    flipped = [BoardView(view.name, view.left_px, _flipped(view.right_px, size_px[0], board)) for view in views]
+    try:
+        right = calibrate_camera("right", [view.right_px for view in flipped], size_px, board)
+        agree(board, flipped, left, right)
+    except CalibrationError:
+        return False
+    return True
+
+
+def _flipped(corners_px: Floats, width_px: int, board: Chessboard) -> Floats:
+    """The corners in the image flipped left to right, each row in the order that a detector would list there."""
+    grid = corners_px.reshape(board.rows, board.columns, 2)[:, ::-1] * [-1, 1] + [width_px - 1, 0]
+    return grid.reshape(-1, 2)
