@@ -7,18 +7,17 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from stereo_pick.cli.calibration_report import report
 from stereo_pick.cli.image_pairs import FilePair, disagreement, find_files, pair_files
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.detection import BoardImages, detect
 from stereo_pick.core.calibration.files import save_rig
-from stereo_pick.core.calibration.result import CalibrationResult
+from stereo_pick.core.calibration.record import save_record
 from stereo_pick.core.calibration.solving import calibrate_best
+from stereo_pick.core.calibration.verdict import Word, check_baseline, judge
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.images import read_image
-
-_GOOD_RMS_PX = 0.5
-_GOOD_BASELINE_SIGMA = 0.005  # of the baseline
 
 _DESCRIPTION = """\
 Calibrate a stereo rig from pairs of images of a chessboard.
@@ -34,7 +33,8 @@ example:
       --board 9x6 --square 0.030 --output my_rig
 
   A board of 10 x 7 squares has 9x6 inner corners. Quote the patterns, or the shell expands them.
-  DIR then holds left.yaml and right.yaml (camera_info) and stereo.yaml (OpenCV, in metres)."""
+  DIR then holds left.yaml and right.yaml (camera_info), stereo.yaml (OpenCV, in metres), and
+  calibration.yaml: all of it with uncertainties, the evidence and the verdict."""
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -57,6 +57,12 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser.add_argument(
         "--output", required=True, type=Path, metavar="DIR", help="folder for the result; files in it are replaced"
     )
+    parser.add_argument(
+        "--baseline",
+        type=float,
+        metavar="METRES",
+        help="distance of the two lenses, measured on the rig with a ruler: contradicts a wrong --square",
+    )
     parser.set_defaults(run=run)
 
 
@@ -70,45 +76,18 @@ def run(args: argparse.Namespace) -> int:
         raise CalibrationError(f"--output {args.output} is a file: name a folder")
     pairs = pair_files(find_files(args.left, "--left"), find_files(args.right, "--right"))
     result = calibrate_best(detect(_read(pairs), board), board)
+    if args.baseline is not None:
+        check_baseline(result, args.baseline)
+    verdict = judge(result)
+    if verdict.word is Word.REFUSED:
+        raise CalibrationError(f"calibration {verdict}")
     try:
-        written = save_rig(result.rig, args.output)
+        written = [*save_rig(result.rig, args.output), save_record(result, args.output)]
     except OSError as error:
         raise CalibrationError(f"--output {args.output} cannot be written: {error.strerror}") from None
     notes = [disagreement(pairs), *result.warnings]
-    print(report(result, board, [note for note in notes if note], written))
+    print(report(result, verdict, [note for note in notes if note], written))
     return 0
-
-
-def report(result: CalibrationResult, board: Chessboard, warnings: Sequence[str], written: Sequence[Path]) -> str:
-    """The result for people, one fact a line."""
-    baseline_mm, sigma_mm = result.rig.baseline_m * 1000, result.baseline_sigma_m * 1000
-    total = len(result.used) + len(result.rejected)
-    lines = [
-        ("board", f"{board} inner corners, squares of {board.square_m * 1000:g} mm"),
-        ("detector", result.detector),
-        ("views", f"{len(result.used)} of {total} used"),
-        *(("rejected", f"{view.name}: {view.reason}") for view in result.rejected),
-        ("rms", f"left {result.rms_left_px:.3f} px, right {result.rms_right_px:.3f} px, stereo {result.rms_px:.3f} px"),
-        ("baseline", f"{baseline_mm:.3f} mm, standard deviation {sigma_mm:.3f} mm"),
-        ("rotation", f"{result.rotation_deg:.3f} deg between the cameras"),
-        ("verdict", verdict(result)),
-        *(("warning", warning) for warning in warnings),
-        *(("written", str(path)) for path in written),
-    ]
-    return "\n".join(f"{label:<10}{text}" for label, text in lines)
-
-
-def verdict(result: CalibrationResult) -> str:
-    """One line: whether to rely on the calibration, and if not, what is wrong."""
-    relative = result.baseline_sigma_m / result.rig.baseline_m
-    doubts = ["few views"] if result.warnings else []
-    if result.rms_px > _GOOD_RMS_PX:
-        doubts.append(f"stereo rms above {_GOOD_RMS_PX:g} px: flatter board, steadier views, sharper images")
-    if relative > _GOOD_BASELINE_SIGMA:
-        doubts.append(f"baseline uncertain by {relative:.1%}: more views, more tilt")
-    if doubts:
-        return f"usable, but {'; '.join(doubts)}"
-    return f"good: corners fit to {result.rms_px:.2f} px, baseline scatters by {relative:.2%}"
 
 
 def _read(pairs: Sequence[FilePair]) -> Iterator[BoardImages]:

@@ -16,6 +16,7 @@ from stereo_pick.cli import calibrate
 from stereo_pick.cli.image_pairs import disagreement, find_files, pair_files
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.calibration.record import load_record
 from stereo_pick.core.errors import StereoPickError
 from stereo_pick.core.transform import Transform
 
@@ -191,3 +192,20 @@ def test_recording_from_one_camera_is_refused(shared_data: Path, tmp_path: Path)
             *("--board", "9x6", "--square", "0.025", "--output", str(tmp_path / "rig")),
         )
     assert not (tmp_path / "rig").exists()
+
+
+def test_record_beside_the_rig_reads_back(images: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run_on(images, "left*.png", "right*.png")
+    printed, record = capsys.readouterr().out, load_record(images / "rig")
+    rig = load_rig(images / "rig")
+    assert record.uncertainty.parameters[0] == pytest.approx(rig.left.K[0, 0])
+    assert f"verdict   {record.verdict}" in printed
+    for word in ("held out", "epipolar error", "coverage", "±", "(1 sigma)", "calibration.yaml"):
+        assert word in printed
+
+
+def test_baseline_measured_on_the_rig_contradicts_a_wrong_square(images: Path) -> None:
+    patterns = ("--left", f"{images}/left*.png", "--right", f"{images}/right*.png", "--board", "7x5")
+    with pytest.raises(StereoPickError, match="is the square really 36 mm"):
+        run(*patterns, "--square", "0.036", "--output", f"{images}/rig", "--baseline", "0.06")
+    assert run(*patterns, "--square", "0.03", "--output", f"{images}/rig", "--baseline", "0.06") == 0
