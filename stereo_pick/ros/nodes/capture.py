@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -169,8 +170,8 @@ class CaptureNode(StepNode):
         self._published += 1
 
     def _stamp_ns(self, pair: SourcePair) -> int:
-        """The recorded stamp; for files, which have none, the time now."""
-        return pair.stamp_ns if self._source.has_stamps else self.get_clock().now().nanoseconds
+        """The recorded stamp; for files, which have none, the time now (not ROS time, which may come from here)."""
+        return pair.stamp_ns if self._source.has_stamps else time.time_ns()
 
 
 def _opened(options: CaptureOptions) -> StereoSource:
