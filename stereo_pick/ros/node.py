@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from copy import deepcopy
+from copy import copy
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
@@ -99,4 +99,4 @@ class StepNode(Node):
 
 def _own(qos: QoSProfile) -> QoSProfile:
     """A copy of a profile: rclpy writes a topic's overrides into the profile it is given."""
-    return deepcopy(qos)
+    return copy(qos)

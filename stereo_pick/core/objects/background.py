@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats
 
-_SAMPLES = 5000
+_SAMPLES = 3000
 _ITERATIONS = 8
-_TRIALS = 150
+_TRIALS = 250
 _CHECKED = 200
 _TUKEY = 4.685  # 95 % efficient for normal noise
 _MIN_SIGMA = 0.6  # rounding to whole grey levels alone, over two samples
@@ -68,10 +68,10 @@ def _terms(u: Floats, v: Floats) -> Floats:
 
 
 def _surface(c: NDArray[np.floating], width: int, height: int) -> NDArray[np.float32]:
-    u = (np.arange(width) / width - 0.5)[None, :]
-    v = (np.arange(height) / height - 0.5)[:, None]
-    surface = (c[0] + c[1] * u + c[3] * u * u) + (c[2] * v + c[5] * v * v) + c[4] * u * v
-    return np.asarray(surface, np.float32)
+    u, v = np.arange(width) / width - 0.5, np.arange(height) / height - 0.5
+    by_row = np.stack([np.ones_like(v), v, v * v], axis=1).astype(np.float32)
+    by_column = np.stack([c[0] + c[1] * u + c[3] * u * u, c[2] + c[4] * u, np.full_like(u, c[5])]).astype(np.float32)
+    return by_row @ by_column
 
 
 def _spread(residual: Floats) -> float:
