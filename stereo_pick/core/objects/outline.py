@@ -21,7 +21,9 @@ def outlines(view: View, fore: Foreground, min_area_px: int, closing_px: int) ->
     for outer in contours:
         x, y, width, height = cv2.boundingRect(outer)
         window = np.s_[y : y + height, x : x + width]
-        member = _filled(np.asarray(outer) - (x, y), (height, width)).astype(np.bool_) & mask[window].astype(np.bool_)
+        member = _filled(np.asarray(outer, np.int32) - np.array([x, y], np.int32), (height, width)).astype(
+            np.bool_
+        ) & mask[window].astype(np.bool_)
         if np.count_nonzero(member) < min_area_px:
             continue
         for pixels, contrast in _trimmed(member, fore.excess[window], fore.trim, min_area_px, closing_px):
@@ -40,12 +42,12 @@ def _trimmed(
         kept = np.asarray(cv2.morphologyEx(kept, cv2.MORPH_CLOSE, kernel), np.uint8)
     contours, _ = cv2.findContours(kept, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     for contour in contours:
-        filled = _filled(np.asarray(contour), kept.shape)
+        filled = _filled(np.asarray(contour, np.int32), kept.shape)
         if cv2.countNonZero(filled) >= min_area_px and len(contour) >= 3:
             yield filled, float(np.median(excess[(filled & kept).astype(np.bool_)]))
 
 
-def _filled(contour: NDArray[np.integer], shape: tuple[int, ...]) -> NDArray[np.uint8]:
+def _filled(contour: NDArray[np.int32], shape: tuple[int, ...]) -> NDArray[np.uint8]:
     filled = np.zeros(shape, np.uint8)
     cv2.drawContours(filled, [contour], -1, 1, cv2.FILLED)
     return filled
