@@ -17,7 +17,7 @@ from stereo_pick.core.arrays import Image
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.images import ImageBuffer, encode, pixels
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.sources.source import open_source
+from stereo_pick.sources.opening import open_source
 
 ROOT = Path(__file__).resolve().parents[1]
 DEMO_BAG = ROOT / "bags" / "demo"

@@ -21,7 +21,8 @@ from stereo_pick.core.images import pixels
 from stereo_pick.core.pipeline import Pipeline, Result
 from stereo_pick.core.refusal import REASONS
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.sources.source import SourcePair, StereoSource, open_source
+from stereo_pick.sources.opening import open_source
+from stereo_pick.sources.source import SourcePair, StereoSource
 
 _DESCRIPTION = """\
 Replay a whole recording offline, as fast as this machine can.

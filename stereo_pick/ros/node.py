@@ -35,6 +35,7 @@ class StepNode(Node):
         super().__init__(name, context=context)
         self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._error: StereoPickError | None = None
+        self.last_error = ""
         self._last_logged = ""
         self._diagnostics = self.advertise(DIAGNOSTICS)
         self.parameters = LiveParameters(self, parameters, self.configure, self._reconfigure)
@@ -81,7 +82,7 @@ class StepNode(Node):
             try:
                 callback(message)
             except StereoPickError as error:
-                self._error = error
+                self._error, self.last_error = error, str(error)
                 self._log(Status(ERROR, str(error)))
 
         return guarded

@@ -21,7 +21,7 @@ from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.store import Typestore
 
 from stereo_pick.core.errors import SourceError
-from stereo_pick.sources.source import BAG_SUFFIXES
+from stereo_pick.sources.opening import BAG_SUFFIXES
 
 if sys.version_info >= (3, 14):
     from compression.zstd import ZstdError

@@ -25,7 +25,8 @@ from stereo_pick.ros.parameters import Values
 from stereo_pick.ros.process import run_nodes
 from stereo_pick.ros.replay_clock import ReplayClock
 from stereo_pick.ros.topics import CAMERA_INFO, CLOCK, IMAGE_RAW, SIDES
-from stereo_pick.sources.source import SourcePair, StereoSource, open_source
+from stereo_pick.sources.opening import open_source
+from stereo_pick.sources.source import SourcePair, StereoSource
 
 _LINGER_S = 1.0  # until the last images have left the process
 _IDLE_S = 0.02

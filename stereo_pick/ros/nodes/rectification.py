@@ -81,15 +81,13 @@ class RectificationNode(StepNode):
         if missing:
             message = f"no message on {' and '.join(missing)}: is the camera calibrated, and its camera_info published?"
             return Status(ERROR, message, values)
-        silence_s = {side: self._silence_s(side) for side in SIDES}
-        silent = [side for side in SIDES if silence_s[side] > _SILENT_AFTER_S]
+        silent = self._silent()
         if silent:
             topics = " and ".join(self.resolve_topic_name(IMAGE_RAW[side].name) for side in silent)
-            values["silent_s"] = f"{min(silence_s[side] for side in silent):.0f}"
             message = f"no image on {topics} any more: is the camera running?"
             return Status(WARN if len(silent) == len(SIDES) else ERROR, message, values)
         if self._rectified == 0:
-            return Status(ERROR, f"none of {counts.pairs} pairs could be rectified", values)
+            return Status(ERROR, self.last_error or f"none of {counts.pairs} pairs could be rectified", values)
         return Status(OK, f"{self._rectified} pairs rectified", values)
 
     def _why_no_pair(self) -> str:
@@ -99,8 +97,12 @@ class RectificationNode(StepNode):
         explained = self._pairer.explain()
         return f"no image on {silent[0]}: {explained}" if silent else explained
 
-    def _silence_s(self, side: str) -> float:
-        return (self.steady_clock.now().nanoseconds - self._last_ns[side]) / 1e9
+    def _silent(self) -> list[Side]:
+        """Both sides where nothing comes any more, or the one that the other has left behind."""
+        now_ns = self.steady_clock.now().nanoseconds
+        latest_ns = max(self._last_ns.values())
+        since_ns = now_ns if now_ns - latest_ns > _SILENT_AFTER_S * 1e9 else latest_ns
+        return [side for side in SIDES if since_ns - self._last_ns[side] > _SILENT_AFTER_S * 1e9]
 
     def _on_camera_info(self, side: str, message: CameraInfo) -> None:
         known = self._infos.get(side)
