@@ -17,7 +17,7 @@ from outlines import blank_pair, seen
 from rendering import Box, Scene, Solid, Sphere, balls, render
 from rigs import RIGS
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence import Correspondences, Method, methods
 from stereo_pick.core.errors import ParameterError
@@ -157,6 +157,13 @@ def test_what_only_the_left_camera_sees_is_refused(name: str) -> None:
     assert sum(refusal.left_px is not None for refusal in found.refused) == len(blobs.left)
 
 
+@cache
+def right_view_without(hidden: int) -> Image:
+    scene, rig = SCENES["alike in a row"], RIGS["verged"]
+    kept = scene.solids[:hidden] + scene.solids[hidden + 1 :]
+    return Rectifier(rig).rectify(render(rig, replace(scene, solids=kept))).right
+
+
 @every_method
 def test_one_missing_of_several_alike_never_shifts_the_others(name: str) -> None:
     """Three alike parts in a row, the right view shows two: guessing pairs them with their neighbours."""
@@ -164,9 +171,7 @@ def test_one_missing_of_several_alike_never_shifts_the_others(name: str) -> None
     scene = SCENES["alike in a row"]
     method = methods()[name]()
     for hidden in range(3):
-        kept = scene.solids[:hidden] + scene.solids[hidden + 1 :]
-        right = Rectifier(pair.rig).rectify(render(pair.rig, replace(scene, solids=kept))).right
-        mixed = RectifiedPair(pair.left, right, pair.rig)
+        mixed = RectifiedPair(pair.left, right_view_without(hidden), pair.rig)
         found = method.match(mixed, Detector().detect(mixed))
         in_right = pair.rig.right_T_left.apply(scene.positions_m())
         for left_px, right_px in zip(found.left_px, found.right_px):

@@ -97,8 +97,9 @@ def test_the_depth_range_bounds_the_disparity(depth_m: float, x_m: float) -> Non
     assert len(found) == (near <= depth_m <= far)
 
 
-def test_a_faulty_outline_and_its_partner_are_refused_once() -> None:
-    found = match([disc(200, 240, fault="merged")], [disc(150, 240)])
+@pytest.mark.parametrize("faults", [("merged", ""), ("", "merged"), ("merged", "merged")])
+def test_a_faulty_outline_and_its_partner_are_refused_once(faults: tuple[str, str]) -> None:
+    found = match([disc(200, 240, fault=faults[0])], [disc(150, 240, fault=faults[1])])
     (refusal,) = found.refused
     assert refusal.reason == "merged" and refusal.left_px is not None and refusal.right_px is not None
 

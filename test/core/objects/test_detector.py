@@ -122,15 +122,6 @@ def test_salt_and_pepper_gives_nothing_and_moves_nothing(threshold: str) -> None
         np.testing.assert_allclose(centroids(view), places(*PLACES), atol=0.3)
 
 
-def test_single_pixels_do_not_join_into_parts() -> None:
-    """A checkerboard of bright pixels: 8-connected, but no part."""
-    v, u = np.indices(SIZE_PX[::-1])
-    dots = ((u + v) % 2 == 0) & (abs(u - 320) < 12) & (abs(v - 240) < 12)
-    view = np.where(dots, 255, 50).astype(np.uint8)
-    found_there = Detector(threshold="fixed", fixed_threshold=160).detect(RectifiedPair(view, view, PARALLEL))
-    assert not found_there.left
-
-
 @pytest.mark.parametrize(("radius_px", "count"), [(4.1, 0), (4.7, 1)])
 def test_fewer_pixels_than_the_thesiss_60_are_noise(radius_px: float, count: int) -> None:
     """53 and 69 pixels, counted at the half-way level."""
