@@ -8,7 +8,7 @@ PIP := $(CLEAN_ENV) $(BIN)/python -m pip --disable-pip-version-check
 EDITABLE := --no-deps --no-build-isolation --editable .
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check bench lock clean
+.PHONY: help setup demo test check bench docs lock clean
 
 help: ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-7s %s\n", $$1, $$2}' Makefile
@@ -28,6 +28,10 @@ check: setup ## lint, format and types
 
 bench: setup ## print the figures that the docs quote
 	$(CLEAN_ENV) $(BIN)/python benchmark/accuracy.py
+
+docs: setup ## bring the generated files up to date: docs/parameters.md and config/stereo_pick.yaml
+	$(CLEAN_ENV) $(BIN)/stereo-pick parameters > docs/parameters.md
+	$(CLEAN_ENV) $(BIN)/stereo-pick parameters --format yaml > config/stereo_pick.yaml
 
 lock: setup ## bring requirements.lock up to date: one lock for Python 3.10 to 3.13
 	$(UV) pip compile setup.py --extra wheels --extra test --extra dev --universal --python-version 3.10 \

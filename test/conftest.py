@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -64,3 +65,35 @@ def calibrated(shared_data: Path) -> Calibrated:
         return calibrate_best(detect(pairs, board), board)
 
     return result
+
+
+@pytest.fixture
+def graph() -> Iterator[Any]:
+    """The test's own place in a ROS domain of its own: a `ros_tools.Graph`."""
+    from ros_tools import Graph, reserved_domain
+
+    with reserved_domain() as domain:
+        graph = Graph(domain)
+        yield graph
+        graph.close()
+
+
+@pytest.fixture
+def system(tmp_path: Path) -> Iterator[Any]:
+    """A ROS domain of its own for the package's processes: a `ros_tools.System`."""
+    from ros_tools import running_system
+
+    with running_system(tmp_path) as system:
+        yield system
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Keep the tests of a file that shares running nodes on one worker; all others go wherever there is room."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class Scheduling(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return nodeid.split("::")[0] if nodeid.startswith(("test/ros/", "test/system/")) else nodeid
+
+    return Scheduling(config, log) if config.getvalue("dist") == "load" else None

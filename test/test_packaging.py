@@ -78,7 +78,7 @@ def test_every_executable_has_its_function(setup_cfg: ConfigParser) -> None:
 def test_the_lock_has_every_dependency_and_no_address(setup_cfg: ConfigParser) -> None:
     lock = (ROOT / "requirements.lock").read_text()
     wanted = [setup_cfg["options"]["install_requires"], *setup_cfg["options.extras_require"].values()]
-    names = {_normal(re.split(r"[\[<>=]", line)[0]) for text in wanted for line in text.split()}
+    names = {_normal(re.split(r"[\[<>=]", line)[0]) for text in wanted for line in text.strip().splitlines()}
     locked = {_normal(name) for name in re.findall(r"^([\w.-]+)==", lock, re.M)}
     assert names <= locked
     assert not re.search(r"://|^-|@ ", lock, re.M)

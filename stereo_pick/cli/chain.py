@@ -73,7 +73,7 @@ class Chain:
         for node in self._processes:
             if self.status(node):
                 last = self.log(node).splitlines()[-1:] or ["no message"]
-                raise SourceError(last[0].removeprefix("stereo_pick: error: "))
+                raise SourceError(last[0].removeprefix("stereo-pick: error: "))
 
     def _log_file(self, node: str) -> Path:
         return Path(self._logs.name) / f"{node}.log"

@@ -21,7 +21,7 @@ from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import pixels
 from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.sources.source import open_source
+from stereo_pick.sources.opening import open_source
 
 _GATE_M = 0.03  # further away an estimate belongs to no true object
 _MAX_MEAN_DEPTH_ERROR_M = 0.0015

@@ -17,7 +17,7 @@ from stereo_pick.core.errors import ImageError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import read_image
 from stereo_pick.core.pipeline import Pipeline, Result
-from stereo_pick.core.refusal import REASONS
+from stereo_pick.core.refusal import REASONS, RIG_FAULTS
 
 _DESCRIPTION = """\
 Find the objects in one pair of images and print where they are.
@@ -59,14 +59,22 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 def run(args: argparse.Namespace) -> int:
     """Locate and print; raises StereoPickError on unusable input, ImageError on exchanged images."""
-    pipeline = Pipeline(load_rig(args.calibration), steps(pipeline_values(args)))
+    values = pipeline_values(args)
+    pipeline = Pipeline(load_rig(args.calibration), steps(values))
     result = pipeline.run(StereoFrame(read_image(args.left), read_image(args.right)))
-    print(json.dumps(result_mapping(result, args.method), indent=2) if args.json else result_text(result))
+    print(json.dumps(result_mapping(result, str(values["method"])), indent=2) if args.json else result_text(result))
     if args.picture is not None:
         write_picture(args.picture, result)
-    if any(refusal.reason == "swapped" for refusal in result.poses.refused):
-        raise ImageError(f"{args.left} and {args.right}: {REASONS['swapped']}; give the left image first")
+    fault = rig_fault_of(result)
+    if fault:
+        remedy = "; give the left image first" if fault == "swapped" else " Calibrate again"
+        raise ImageError(f"{args.left} and {args.right}: {REASONS[fault]}{remedy}")
     return 0
+
+
+def rig_fault_of(result: Result) -> str:
+    """The reason why nothing of this pair is believed, or nothing."""
+    return next((refusal.reason for refusal in result.poses.refused if refusal.reason in RIG_FAULTS), "")
 
 
 def write_picture(path: Path, result: Result) -> None:

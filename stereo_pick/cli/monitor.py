@@ -1,4 +1,4 @@
-"""A subscriber of the object poses, as a picker would be one: for showing them in the terminal."""
+"""A subscriber of the object poses, as a picker would be one, and of the nodes' errors: for showing both."""
 
 from __future__ import annotations
 
@@ -7,17 +7,20 @@ from collections.abc import Callable
 from typing import Any
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseArray
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
+from stereo_pick.ros.messages.diagnostics import ERROR, kind
 from stereo_pick.ros.messages.stamps import stamp_ns
 from stereo_pick.ros.process import prepare_process
 from stereo_pick.ros.topics import (
     CAMERA_INFO,
     CAMERA_INFO_RECT,
     CORRESPONDENCES,
+    DIAGNOSTICS,
     IMAGE_RAW,
     IMAGE_RECT,
     OBJECT_POSES,
@@ -31,9 +34,16 @@ _AWAITED = [
 
 
 class Monitor:
-    """Receives PoseArrays and passes each on as stamp [ns], frame and positions [m]."""
+    """Receives PoseArrays and passes each on as stamp [ns], frame and positions [m]; errors of nodes once a kind.
 
-    def __init__(self, received: Callable[[int, str, list[tuple[float, float, float]]], None]) -> None:
+    count: PoseArrays so far; located: the objects in them; errors: what the nodes have told.
+    """
+
+    def __init__(
+        self,
+        received: Callable[[int, str, list[tuple[float, float, float]]], None],
+        failed: Callable[[str], None],
+    ) -> None:
         prepare_process()
         self._context = Context()
         rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
@@ -41,8 +51,12 @@ class Monitor:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._received = received
+        self._failed = failed
         self.count = 0
+        self.located = 0
+        self.errors: list[str] = []
         self._node.create_subscription(PoseArray, OBJECT_POSES.name, self._on_poses, OBJECT_POSES.qos)
+        self._node.create_subscription(DiagnosticArray, DIAGNOSTICS.name, self._on_diagnostics, DIAGNOSTICS.qos)
 
     def spin(self, seconds: float) -> None:
         """Handle what arrives within this time, one message at the most."""
@@ -62,5 +76,14 @@ class Monitor:
 
     def _on_poses(self, message: Any) -> None:
         self.count += 1
+        self.located += len(message.poses)
         positions = [(pose.position.x, pose.position.y, pose.position.z) for pose in message.poses]
         self._received(stamp_ns(message.header.stamp), message.header.frame_id, positions)
+
+    def _on_diagnostics(self, message: Any) -> None:
+        for status in message.status:
+            if status.level != ERROR or status.hardware_id != "stereo_pick":
+                continue
+            if kind(status.message) not in map(kind, self.errors):
+                self.errors.append(status.message)
+                self._failed(status.message)

@@ -76,7 +76,7 @@ def yaml_text() -> str:
             if group:
                 lines.append(f"    {group}:")
                 indent = "      "
-            lines += [f"{indent}{name.rpartition('.')[2]}: {_yaml(member.default)}" for name, member in members.items()]
+            lines += [f"{indent}{_yaml_line(name, member)}" for name, member in members.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -91,6 +91,12 @@ def _markdown_row(name: str, parameter: Parameter) -> str:
     legal = parameter.range_text().replace("|", "\\|")
     meaning = parameter.doc + (" *fixed*" if parameter.fixed else "")
     return f"| `{name}` | `{_yaml(parameter.default)}` | {legal} | {meaning} |"
+
+
+def _yaml_line(name: str, parameter: Parameter) -> str:
+    """One setting; what must be chosen is a comment, so that the file does not undo a choice on the command line."""
+    unset = "# " if parameter.fixed and parameter.default == "" else ""
+    return f"{unset}{name.rpartition('.')[2]}: {_yaml(parameter.default)}"
 
 
 def _yaml(value: Value) -> str:

@@ -8,13 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from rosbags.highlevel import AnyReader
+from rosbags.interfaces import Connection
 from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_typestore
 
 from stereo_pick.core.errors import SourceError
 from stereo_pick.core.pipeline import Result
 from stereo_pick.core.poses import ObjectPoses
-from stereo_pick.sources.bag_reader import opened
+from stereo_pick.sources.bag_reader import opened, raw_messages
 from stereo_pick.sources.source import SourcePair
 
 TOPIC = "/object_poses"
@@ -35,7 +37,7 @@ def write_pose_bag(source: Path, output: Path, results: Iterable[tuple[SourcePai
             _copy(source, writer)
             _write_poses(writer, results)
         next(folder.glob("*.mcap")).replace(output)
-    except WriterError as error:
+    except (WriterError, TypesysError) as error:
         raise SourceError(f"--output {output} cannot be written: {error}") from None
     finally:
         shutil.rmtree(folder, ignore_errors=True)
@@ -49,14 +51,20 @@ def _copy(source: Path, writer: Writer) -> None:
             connection.id: writer.add_connection(
                 connection.topic,
                 connection.msgtype,
-                msgdef=connection.msgdef.data,
-                rihs01=connection.digest,
+                **_definition(connection, reader),
                 offered_qos_profiles=connection.ext.offered_qos_profiles,  # type: ignore[union-attr]
             )
             for connection in reader.connections
         }
-        for connection, recorded_ns, raw in reader.messages():
+        for connection, recorded_ns, raw in raw_messages(source, reader):
             writer.write(copies[connection.id], recorded_ns, raw)
+
+
+def _definition(connection: Connection, reader: AnyReader) -> dict[str, Any]:
+    """The message's definition as it was recorded; older recordings lack it, or its hash."""
+    if connection.msgdef.data and connection.digest:
+        return {"msgdef": connection.msgdef.data, "rihs01": connection.digest}
+    return {"typestore": reader.typestore}
 
 
 def _write_poses(writer: Writer, results: Iterable[tuple[SourcePair, Result]]) -> None:

@@ -9,17 +9,20 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TextIO
 
+from stereo_pick.cli.locate import rig_fault_of
 from stereo_pick.cli.options import add_pipeline_options, pipeline_values
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.report import result_mapping
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.configuration import steps
-from stereo_pick.core.errors import SourceError
+from stereo_pick.core.errors import CalibrationError, ImageError, SourceError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import pixels
 from stereo_pick.core.pipeline import Pipeline, Result
+from stereo_pick.core.refusal import REASONS
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.sources.source import SourcePair, StereoSource, open_source
+from stereo_pick.sources.opening import open_source
+from stereo_pick.sources.source import SourcePair, StereoSource
 
 _DESCRIPTION = """\
 Replay a whole recording offline, as fast as this machine can.
@@ -62,12 +65,19 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
         "--left-topic", default="", metavar="TOPIC", help="the bag's left images (default: by its name)"
     )
     parser.add_argument("--right-topic", default="", metavar="TOPIC", help="the bag's right images")
+    parser.add_argument(
+        "--max-stamp-offset",
+        type=float,
+        default=0.01,
+        metavar="SECONDS",
+        help="by how much the stamps of a pair may differ (max_stamp_offset_s; default: %(default)s)",
+    )
 
 
 def run(args: argparse.Namespace) -> int:
     """Replay; raises StereoPickError on unusable input, after what came before it was written."""
-    source = open_source(args.source, left_topic=args.left_topic, right_topic=args.right_topic)
-    pipeline = Pipeline(source_rig(source, args), steps(pipeline_values(args)))
+    source, values = opened_source(args), pipeline_values(args)
+    pipeline, method = Pipeline(source_rig(source, args), steps(values)), str(values["method"])
     results = progress(_results(pipeline, source), source.count, "pairs")
     if args.output is not None and args.output.suffix == ".mcap":
         from stereo_pick.cli.pose_bag import write_pose_bag
@@ -75,14 +85,24 @@ def run(args: argparse.Namespace) -> int:
         write_pose_bag(args.source, args.output, results)
         return 0
     if args.output is None:
-        _write_lines(sys.stdout, results, args.method)
+        _write_lines(sys.stdout, results, method)
         return 0
     try:
         with args.output.open("w", encoding="utf-8") as lines:
-            _write_lines(lines, results, args.method)
+            _write_lines(lines, results, method)
     except OSError as error:
         raise SourceError(f"--output {args.output} cannot be written: {error.strerror}") from None
     return 0
+
+
+def opened_source(args: argparse.Namespace) -> StereoSource:
+    """The recording that the options name; raises SourceError or ParameterError."""
+    return open_source(
+        args.source,
+        left_topic=args.left_topic,
+        right_topic=args.right_topic,
+        max_stamp_offset_s=args.max_stamp_offset,
+    )
 
 
 def source_rig(source: StereoSource, args: argparse.Namespace) -> StereoRig:
@@ -91,7 +111,10 @@ def source_rig(source: StereoSource, args: argparse.Namespace) -> StereoRig:
         return load_rig(args.calibration)
     if source.cameras is None:
         raise SourceError(f"{args.source} holds no camera_info of both cameras: give --calibration DIR")
-    return StereoRig.from_cameras(*source.cameras)
+    try:
+        return StereoRig.from_cameras(*source.cameras)
+    except CalibrationError as error:
+        raise CalibrationError(f"{args.source}: camera_info: {error}; or give --calibration DIR") from None
 
 
 def _write_lines(lines: TextIO, results: Iterable[tuple[SourcePair, Result]], method: str) -> None:
@@ -100,6 +123,16 @@ def _write_lines(lines: TextIO, results: Iterable[tuple[SourcePair, Result]], me
 
 
 def _results(pipeline: Pipeline, source: StereoSource) -> Iterator[tuple[SourcePair, Result]]:
+    """Yield each pair with its result; raises ImageError at the end where no pair fits the calibration."""
+    located, faults = 0, []
     for pair in source:
         left, right = pixels(pair.left, what="left image"), pixels(pair.right, what="right image")
-        yield pair, pipeline.run(StereoFrame(left, right, pair.stamp_ns))
+        result = pipeline.run(StereoFrame(left, right, pair.stamp_ns))
+        located += len(result.poses)
+        faults += [fault] if (fault := rig_fault_of(result)) else []
+        yield pair, result
+    if faults and not located:
+        remedy = (
+            "; exchange --left-topic and --right-topic, or the files" if "swapped" in faults else " Calibrate again"
+        )
+        raise ImageError(f"{REASONS[faults[0]]} ({len(faults)} pairs){remedy}")

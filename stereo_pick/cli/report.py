@@ -14,6 +14,8 @@ from stereo_pick.core.poses import ObjectPoses
 from stereo_pick.core.refusal import REASONS, Refusal
 from stereo_pick.core.rig import StereoRig
 
+_MAX_DEPTHS = 15  # of six objects; a longer list is for the JSON's reader
+
 FRAME = "left camera optical frame (raw, not rectified): x right, y down, z forward"
 
 
@@ -35,7 +37,7 @@ def result_text(result: Result) -> str:
     poses = result.poses
     lines = [pose_table(poses)]
     between = depths_between(poses.xyz)
-    if between:
+    if 0 < len(between) <= _MAX_DEPTHS:
         lines += ["", "depth between objects, Z(b) - Z(a):"]
         lines += [f"  {pair.first} - {pair.second}  {pair.depth_m * 1000:9.2f} mm" for pair in between]
     if poses.refused:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
@@ -14,15 +16,15 @@ from typing import TYPE_CHECKING
 from stereo_pick.cli.chain import DOWNSTREAM, Chain
 from stereo_pick.cli.live_table import LiveTable, Positions
 from stereo_pick.cli.options import add_pipeline_options, pipeline_values
-from stereo_pick.cli.replay import add_source_options, source_rig
+from stereo_pick.cli.replay import add_source_options, opened_source, source_rig
 from stereo_pick.core.configuration import correspondence_groups, declared, triangulation_groups
-from stereo_pick.core.errors import SourceError
+from stereo_pick.core.errors import ParameterError, SourceError
 from stereo_pick.core.params import Value
-from stereo_pick.sources.source import open_source
 
 if TYPE_CHECKING:
     from stereo_pick.cli.monitor import Monitor
 
+_RATES = (0.01, 100.0)
 _START_S = 20.0
 _SETTLE_S = 0.5
 _QUIET_S = 1.0
@@ -37,6 +39,16 @@ _EPILOG = """\
 examples:
   stereo-pick run --source my_bag
   stereo-pick run --source images/ --calibration my_rig --method ssd --rate 0.5 --loop"""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a run: PoseArrays, objects in them, errors of the nodes, and whether a signal ended it."""
+
+    arrays: int
+    objects: int
+    errors: tuple[str, ...]
+    stopped: bool
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -60,17 +72,28 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run until the recording ends, or Ctrl-C; raises StereoPickError on unusable input."""
-    source = open_source(args.source, left_topic=args.left_topic, right_topic=args.right_topic)
+    """Run until the recording ends, or Ctrl-C; 1 where nodes told of errors and nothing was located.
+
+    Raises StereoPickError on unusable input.
+    """
+    if not _RATES[0] <= args.rate <= _RATES[1]:
+        raise ParameterError(f"--rate {args.rate:g} is outside its range {_RATES[0]:g} .. {_RATES[1]:g}")
+    source = opened_source(args)
     source_rig(source, args)  # what is wrong with it is said here, before anything is started
     capture: dict[str, Value] = {"source": str(args.source), "rate": args.rate, "loop": args.loop}
     capture |= {"left_topic": args.left_topic, "right_topic": args.right_topic}
+    capture["max_stamp_offset_s"] = args.max_stamp_offset
     if args.calibration is not None:
         capture["calibration"] = str(args.calibration)
-    received = run_chain(capture, pipeline_values(args), LiveTable().show, one_process=args.one_process)
-    expected = source.count
-    print(f"{received} pose arrays received" + ("" if args.loop or expected is None else f" for {expected} pairs"))
-    return 0
+    outcome = run_chain(capture, pipeline_values(args), LiveTable().show, one_process=args.one_process)
+    print(f"{outcome.arrays} pose arrays received" + ("" if args.loop else f" for {source.count} pairs"))
+    if not args.loop and not outcome.stopped and outcome.arrays < (source.count or 0):
+        print(
+            "stereo-pick: warning: not every pair came through: this machine is too slow for the recorded rate; "
+            "use --rate 0.5 or less, or `stereo-pick replay`",
+            file=sys.stderr,
+        )
+    return 1 if outcome.errors and outcome.objects == 0 and not outcome.stopped else 0
 
 
 def run_chain(
@@ -79,8 +102,8 @@ def run_chain(
     show: Callable[[int, str, Positions], None],
     one_process: bool = False,
     environment: Mapping[str, str] | None = None,
-) -> int:
-    """Start the nodes, call `show` for every PoseArray until the recording ends, and return how many came.
+) -> Outcome:
+    """Start the nodes, call `show` for every PoseArray until the recording ends, and print what the nodes complain of.
 
     Raises SourceError where a node ends with an error.
     """
@@ -89,7 +112,7 @@ def run_chain(
     stop = threading.Event()
     with Chain(environment) as chain:
         _stop_on_signals(stop)
-        monitor = Monitor(show)
+        monitor = Monitor(show, _complain)
         try:
             if one_process:
                 chain.start("stereo_pick", {**capture, **values})
@@ -101,7 +124,11 @@ def run_chain(
                 chain.check()
         finally:
             monitor.close()
-    return monitor.count
+    return Outcome(monitor.count, monitor.located, tuple(monitor.errors), stop.is_set())
+
+
+def _complain(error: str) -> None:
+    print(f"stereo-pick: error: {error}", file=sys.stderr, flush=True)
 
 
 def _start_downstream(chain: Chain, monitor: Monitor, values: Mapping[str, Value], stop: threading.Event) -> None:

@@ -51,7 +51,10 @@ def declared(groups: Mapping[str, type[Configurable]]) -> dict[str, Parameter]:
 def configured(group: type[Step], prefix: str, values: Values) -> Step:
     """Build one group from full names and values; names of other groups are passed over."""
     own = declared({prefix: group})
-    return group.from_mapping({own[name].name: value for name, value in values.items() if name in own})
+    try:
+        return group.from_mapping({own[name].name: value for name, value in values.items() if name in own})
+    except ParameterError as error:
+        raise ParameterError(f"{prefix}.{error}" if prefix else str(error)) from None
 
 
 def steps(values: Values) -> Steps:
@@ -59,10 +62,12 @@ def steps(values: Values) -> Steps:
     known = pipeline_parameters()
     for name in values:
         _check_known(name, known)
-    name = str(values.get("method", DEFAULT_METHOD))
+    chosen = method_named(str(values.get("method", DEFAULT_METHOD)))
+    # All, not only the chosen one: a bad value must be refused when it is set, not when its method is.
+    every = {kind: configured(kind, name, values) for name, kind in methods().items()}
     return Steps(
         detector=configured(Detector, "segmentation", values),
-        method=configured(method_named(name), name, values),
+        method=every[chosen],
         triangulator=configured(Triangulator, "triangulation", values),
     )
 

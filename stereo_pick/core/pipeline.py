@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 from stereo_pick.core.correspondence import Correspondences, Method
 from stereo_pick.core.correspondence.correspondences import collect
-from stereo_pick.core.correspondence.exchanged import looks_exchanged
 from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.correspondence.rig_check import rig_fault
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
 from stereo_pick.core.objects import Blobs, Detector
 from stereo_pick.core.poses import ObjectPoses, estimate_poses
@@ -36,10 +36,11 @@ class Steps:
     triangulator: Triangulator = field(default_factory=Triangulator)
 
     def correspond(self, pair: RectifiedPair) -> tuple[Blobs, Correspondences]:
-        """Find the objects and match them; refuses all of them where the two images are exchanged."""
+        """Find the objects and match them; refuses all of them where the images do not fit the calibration."""
         blobs = self.detector.detect(pair)
-        if looks_exchanged(blobs, pair.rig):
-            return blobs, collect([], [Refusal("swapped", blob.centroid_px, None) for blob in blobs.sound()[0]])
+        fault = rig_fault(blobs, pair.rig)
+        if fault:
+            return blobs, collect([], [Refusal(fault, blob.centroid_px, None) for blob in blobs.sound()[0]])
         return blobs, self.method.match(pair, blobs)
 
     def locate(self, correspondences: Correspondences, rig: StereoRig, stamp_ns: int) -> ObjectPoses:

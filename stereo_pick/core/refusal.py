@@ -19,9 +19,14 @@ REASONS = {
     "poor_match": "what correlates best in the right view does not lead back to it, or does not look alike",
     "behind_camera": "its two rays meet behind the cameras",
     "ray_gap": "its two rays pass each other at more than max_ray_gap_m",
-    "swapped": "the left and the right images are exchanged: the objects fit only the other way round",
+    "swapped": "the left and the right images are exchanged (or the calibration is wrong): "
+    "the objects fit only the other way round",
+    "misaligned": "most objects fit nothing in the other view: has a camera moved since its calibration?",
 }
 """Every reason for a refusal, and what it means."""
+
+RIG_FAULTS = ("swapped", "misaligned")
+"""Reasons that concern the rig, not one object: nothing of such a pair is believed."""
 
 
 @dataclass(frozen=True, eq=False)

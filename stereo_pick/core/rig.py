@@ -81,8 +81,13 @@ class StereoRig:
 def extrinsics(left: Camera, right: Camera) -> Transform:
     """`right_T_left` [m] of two camera_info: R turns both into the rectified frame, P[:,3] / f is the shift there.
 
-    Raises CalibrationError where P[0,3] is positive, which puts the right camera left of the left one.
+    Raises CalibrationError where P[0,3], of the wrong camera or positive, puts the right camera left of the left one.
     """
+    if left.P[0, 3] != 0 and right.P[0, 3] == 0:
+        raise CalibrationError(
+            f"P[0,3] of the left camera = {left.P[0, 3]:.3f} and that of the right one is 0: left and right are "
+            "swapped; exchange the two cameras, or calibrate again"
+        )
     shift = np.array([right.P[0, 3] / right.P[0, 0], right.P[1, 3] / right.P[1, 1], 0.0])
     if shift[0] > MIN_BASELINE_M and shift[0] > abs(shift[1]):
         raise CalibrationError(

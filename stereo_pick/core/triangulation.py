@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Ints, floats
+from stereo_pick.core.arrays import Floats, Ints, floats, frozen
 from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.core.rays import closest_points
@@ -38,6 +38,7 @@ class Points:
         count = len(self.row)
         for name, shape in (("xyz", (count, 3)), ("covariance", (count, 3, 3)), ("ray_gap", (count,))):
             object.__setattr__(self, name, floats(name, np.reshape(getattr(self, name), shape), *shape))
+        object.__setattr__(self, "row", frozen(np.array(self.row, np.int64)))
 
     def __len__(self) -> int:
         return len(self.row)

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
+from copy import copy
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from stereo_pick.core.errors import StereoPickError
 from stereo_pick.core.params import Parameter
-from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status, diagnostics_message
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status, diagnostics_message, kind
 from stereo_pick.ros.parameters import LiveParameters, Values
 from stereo_pick.ros.topics import DIAGNOSTICS, Topic
 
@@ -34,6 +35,7 @@ class StepNode(Node):
         super().__init__(name, context=context)
         self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._error: StereoPickError | None = None
+        self.last_error = ""
         self._last_logged = ""
         self._diagnostics = self.advertise(DIAGNOSTICS)
         self.parameters = LiveParameters(self, parameters, self.configure, self._reconfigure)
@@ -55,13 +57,13 @@ class StepNode(Node):
     def advertise(self, topic: Topic) -> Publisher:
         """Create a publisher whose QoS parameters can override."""
         options = QoSOverridingOptions.with_default_policies()
-        return self.create_publisher(topic.type, topic.name, topic.qos, qos_overriding_options=options)
+        return self.create_publisher(topic.type, topic.name, _own(topic.qos), qos_overriding_options=options)
 
     def listen(self, topic: Topic, callback: Callable[[Any], None]) -> None:
         """Create a subscription whose QoS parameters can override; errors of the callback become the node's status."""
         options = QoSOverridingOptions.with_default_policies()
         self.create_subscription(
-            topic.type, topic.name, self._guarded(callback), topic.qos, qos_overriding_options=options
+            topic.type, topic.name, self._guarded(callback), _own(topic.qos), qos_overriding_options=options
         )
 
     def report(self) -> None:
@@ -80,18 +82,22 @@ class StepNode(Node):
             try:
                 callback(message)
             except StereoPickError as error:
-                self._error = error
+                self._error, self.last_error = error, str(error)
                 self._log(Status(ERROR, str(error)))
 
         return guarded
 
     def _log(self, status: Status) -> None:
-        """Log what is new; that only its numbers have changed does not make it new."""
-        kind = re.sub(r"[0-9.]+", "0", status.message)
-        if kind == self._last_logged:
+        """Log what is new."""
+        if kind(status.message) == self._last_logged:
             return
-        self._last_logged = kind
+        self._last_logged = kind(status.message)
         if status.level == ERROR:
             self.get_logger().error(status.message)
         elif status.level != OK:
             self.get_logger().warning(status.message)
+
+
+def _own(qos: QoSProfile) -> QoSProfile:
+    """A copy of a profile: rclpy writes a topic's overrides into the profile it is given."""
+    return copy(qos)

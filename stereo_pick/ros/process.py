@@ -15,7 +15,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from stereo_pick.core.errors import StereoPickError
+from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.ros.node import StepNode
 
 _SPIN_S = 0.1
@@ -35,17 +35,15 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stop.set())
     context = Context()
-    rclpy.init(
-        args=list(args) if args is not None else None, context=context, signal_handler_options=SignalHandlerOptions.NO
-    )
     nodes: list[StepNode] = []
     try:
+        _init(context, args)
         for factory in factories:
             nodes.append(factory(context))
         _spin(nodes, context, stop)
         return 0
     except StereoPickError as error:
-        print(f"stereo_pick: error: {error}", file=sys.stderr)
+        print(f"stereo-pick: error: {error}", file=sys.stderr)
         return 1
     finally:
         for node in nodes:
@@ -66,6 +64,15 @@ def prepare_process() -> None:
         return
     for option, value in ((-3, 32 << 20), (-1, 256 << 20), (-2, 16 << 20)):  # mmap and trim threshold, top pad
         mallopt(option, value)
+
+
+def _init(context: Context, args: Sequence[str] | None) -> None:
+    given = list(args) if args is not None else None
+    try:
+        rclpy.init(args=given, context=context, signal_handler_options=SignalHandlerOptions.NO)
+    except RuntimeError as error:
+        reason = " ".join(str(error).partition(", at /")[0].split())
+        raise ParameterError(f"ROS 2 does not start ({reason}): correct what stands after --ros-args") from None
 
 
 def _spin(nodes: Sequence[StepNode], context: Context, stop: threading.Event) -> None:

@@ -11,9 +11,10 @@ _DEPTH = 10
 
 
 class StampJoin:
-    """Calls back with one message of each topic as soon as all of one stamp are there; forgets the oldest stamps.
+    """Calls back with one message of each topic as soon as all of one stamp are there.
 
-    The package's own nodes stamp what belongs together alike, so only equal stamps join.
+    The package's own nodes stamp what belongs together alike, so only equal stamps join. Of what waits in vain the
+    first to come is forgotten first, not the lowest stamp: a replay that starts over has lower stamps again.
     """
 
     def __init__(self, topics: Sequence[str], joined: Callable[[dict[str, Any]], None]) -> None:
@@ -32,7 +33,7 @@ class StampJoin:
             del self._waiting[stamp]
             self._joined(together)
         while len(self._waiting) > _DEPTH:
-            del self._waiting[min(self._waiting)]
+            del self._waiting[next(iter(self._waiting))]
 
     def silent(self) -> list[str]:
         """The topics on which nothing came so far."""

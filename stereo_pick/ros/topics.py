@@ -1,7 +1,7 @@
 """Every topic of the package: name (relative, remappable), type and quality of service.
 
 Images use the sensor-data profile (best effort): a late image is worth nothing. Results are reliable. Both can be
-overridden by parameters `qos_overrides.<topic>.*`, see docs/parameters.md.
+overridden by parameters `qos_overrides.<topic>.*`, see docs/nodes.md.
 """
 
 from __future__ import annotations

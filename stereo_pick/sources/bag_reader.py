@@ -9,10 +9,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import apsw
 from rosbags.highlevel import AnyReader, AnyReaderError
+from rosbags.interfaces import Connection
 from rosbags.rosbag1 import ReaderError as Ros1ReaderError
 from rosbags.rosbag2 import ReaderError as Ros2ReaderError
 from rosbags.serde import SerdeError
@@ -20,12 +21,14 @@ from rosbags.typesys import Stores, TypesysError, get_typestore
 from rosbags.typesys.store import Typestore
 
 from stereo_pick.core.errors import SourceError
-from stereo_pick.sources.source import BAG_SUFFIXES
+from stereo_pick.sources.opening import BAG_SUFFIXES
 
 if sys.version_info >= (3, 14):
     from compression.zstd import ZstdError
 else:
     from backports.zstd import ZstdError
+
+T = TypeVar("T")
 
 _REFUSED = (AnyReaderError, Ros1ReaderError, Ros2ReaderError, SerdeError, TypesysError, apsw.Error)
 # rosbags reads lengths, offsets and names unchecked: these are what it meets where a byte is wrong or missing.
@@ -86,7 +89,16 @@ def opened(path: Path) -> Iterator[AnyReader]:
 
 def messages(path: Path, reader: AnyReader, *topics: str) -> Iterator[Recorded]:
     """Yield the messages of the topics as a stream, up to the first damage, which raises SourceError."""
-    recorded, count = _messages(reader, topics), 0
+    return _up_to_damage(path, _messages(reader, topics))
+
+
+def raw_messages(path: Path, reader: AnyReader) -> Iterator[tuple[Connection, int, bytes]]:
+    """Yield every message with its topic and time [ns] as it was recorded, up to the first damage: SourceError."""
+    return _up_to_damage(path, reader.messages())
+
+
+def _up_to_damage(path: Path, recorded: Iterator[T]) -> Iterator[T]:
+    count = 0
     while True:
         try:
             message = next(recorded)

@@ -1,17 +1,13 @@
-"""What every source of stereo pairs is like, and the choice of the one that fits a path."""
+"""What every source of stereo pairs is like."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Protocol
 
 from stereo_pick.core.camera import Camera
-from stereo_pick.core.errors import SourceError
 from stereo_pick.core.images import ImageBuffer
-
-BAG_SUFFIXES = (".mcap", ".db3", ".bag")
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,36 +45,3 @@ class StereoSource(Protocol):
 
     def __iter__(self) -> Iterator[SourcePair]:
         """Yield one pair after the other; raises SourceError or ImageError where no further one can be read."""
-
-
-def open_source(
-    path: Path,
-    *,
-    left_topic: str = "",
-    right_topic: str = "",
-    max_stamp_offset_s: float = 0.01,
-    rate_hz: float = 10.0,
-) -> StereoSource:
-    """Open a bag (mcap, sqlite3, ROS 1) or a folder of image pairs, whichever `path` is.
-
-    The topics (found by their names where not given) and the stamp offset concern bags, the rate folders.
-    Raises SourceError where there are no stereo pairs, ParameterError on an offset or rate out of range.
-    """
-    # Here, not above: both import this module, and a folder should not wait for rosbags to load.
-    if not path.exists():
-        raise SourceError(f"{path}: no such bag or folder; check the path")
-    if _is_bag(path):
-        from stereo_pick.sources.bag import BagSource
-
-        return BagSource.open(path, left_topic, right_topic, max_stamp_offset_s)
-    if path.is_dir():
-        from stereo_pick.sources.images import ImageFolder
-
-        return ImageFolder.open(path, rate_hz)
-    raise SourceError(f"{path} is no bag ({', '.join(BAG_SUFFIXES)}) and no folder of image pairs")
-
-
-def _is_bag(path: Path) -> bool:
-    if path.is_file():
-        return path.suffix in BAG_SUFFIXES
-    return (path / "metadata.yaml").exists() or any(file.suffix in BAG_SUFFIXES for file in path.iterdir())

@@ -21,7 +21,7 @@ from rosbags.typesys import Stores, get_typestore
 from stereo_pick.core.errors import CalibrationError, ImageError, ParameterError, SourceError, StereoPickError
 from stereo_pick.core.images import pixels
 from stereo_pick.sources.bag import BagSource
-from stereo_pick.sources.source import open_source
+from stereo_pick.sources.opening import open_source
 
 ROS2 = get_typestore(Stores.ROS2_JAZZY)
 ROS1 = get_typestore(Stores.ROS1_NOETIC)

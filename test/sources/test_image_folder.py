@@ -9,7 +9,7 @@ import pytest
 from stereo_pick.core.errors import ImageError, ParameterError, SourceError
 from stereo_pick.core.images import pixels
 from stereo_pick.sources.images import ImageFolder
-from stereo_pick.sources.source import open_source
+from stereo_pick.sources.opening import open_source
 
 
 def make(folder: Path, *names: str, size: tuple[int, int] = (6, 8)) -> None:

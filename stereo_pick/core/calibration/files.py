@@ -42,8 +42,10 @@ def load_rig(path: Path) -> StereoRig:
     for name in _OPENCV_NAMES:
         if (path / name).is_file():
             return load_opencv(path / name)
-    have = ", ".join(sorted(file.name for file in path.iterdir())) or "nothing"
-    raise CalibrationError(f"{path} holds neither left.yaml and right.yaml nor stereo.yaml, but {have}")
+    have = ", ".join(sorted(file.name for file in path.iterdir()))
+    raise CalibrationError(
+        f"{path} holds neither left.yaml and right.yaml nor stereo.yaml, " + (f"but {have}" if have else "it is empty")
+    )
 
 
 def load_camera_info(path: Path) -> Camera:
@@ -140,7 +142,9 @@ def load_opencv(path: Path) -> StereoRig:
     except (cv2.error, SystemError):
         opened = False
     if not opened:
-        raise CalibrationError(f"{path}: is no OpenCV YAML (a file that starts with %YAML:1.0)")
+        raise CalibrationError(
+            f"{path}: is no OpenCV YAML (which starts with %YAML:1.0); for left.yaml and right.yaml give their folder"
+        )
     try:
         return _about(path, lambda: _rig_from_storage(storage))
     finally:

@@ -96,7 +96,9 @@ class Ssd(Method):
             return Refusal("no_texture", here, None, f"sigma {fit.sigma_px:.2f} px")
         if fit.similarity < self.min_similarity:
             return Refusal("poor_match", here, None, f"similarity {fit.similarity:.2f}")
-        if _next_best(cost, columns, best, self.window_px) < self.min_uniqueness * cost[best]:
+        if not here[0] - most <= fit.column_px <= here[0] - least:
+            return Refusal("left_only", here, None, "fits beyond the depth range")
+        if _next_best(cost, columns, best, self.window_px) <= self.min_uniqueness * cost[best]:
             return Refusal("ambiguous", here, None)
         returned_px = self._return(images, here, fit.column_px, left)
         if abs(returned_px - here[0]) > self.left_right_tolerance_px:

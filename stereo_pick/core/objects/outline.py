@@ -17,13 +17,15 @@ from stereo_pick.core.objects.view import View
 def outlines(view: View, fore: Foreground, min_area_px: int, closing_px: int) -> Iterator[Blob]:
     """Yield the objects of one view; their contours run through the centres of their outermost pixels."""
     mask = cv2.medianBlur(fore.mask.astype(np.uint8), 3)  # salt and pepper
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-    for label in range(1, count):
-        if stats[label, cv2.CC_STAT_AREA] < min_area_px:
-            continue
-        x, y, width, height = stats[label, : cv2.CC_STAT_AREA]
+    contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)  # 8-connected
+    for outer in contours:
+        x, y, width, height = cv2.boundingRect(outer)
         window = np.s_[y : y + height, x : x + width]
-        member = labels[window] == label
+        member = _filled(np.asarray(outer, np.int32) - np.array([x, y], np.int32), (height, width)).astype(
+            np.bool_
+        ) & mask[window].astype(np.bool_)
+        if np.count_nonzero(member) < min_area_px:
+            continue
         for pixels, contrast in _trimmed(member, fore.excess[window], fore.trim, min_area_px, closing_px):
             contour = _outer_contour(pixels) + (x - closing_px, y - closing_px)
             yield Blob(contour, contrast, cut=_leaves(view, contour))
@@ -40,10 +42,15 @@ def _trimmed(
         kept = np.asarray(cv2.morphologyEx(kept, cv2.MORPH_CLOSE, kernel), np.uint8)
     contours, _ = cv2.findContours(kept, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     for contour in contours:
-        filled = np.zeros_like(kept)
-        cv2.drawContours(filled, [contour], -1, 1, cv2.FILLED)
+        filled = _filled(np.asarray(contour, np.int32), kept.shape)
         if cv2.countNonZero(filled) >= min_area_px and len(contour) >= 3:
             yield filled, float(np.median(excess[(filled & kept).astype(np.bool_)]))
+
+
+def _filled(contour: NDArray[np.int32], shape: tuple[int, ...]) -> NDArray[np.uint8]:
+    filled = np.zeros(shape, np.uint8)
+    cv2.drawContours(filled, [contour], -1, 1, cv2.FILLED)
+    return filled
 
 
 def _outer_contour(pixels: NDArray[np.uint8]) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -19,6 +20,11 @@ class Status:
     level: bytes
     message: str
     values: Mapping[str, str] = field(default_factory=dict)
+
+
+def kind(message: str) -> str:
+    """A status's line without its numbers: that only those have changed does not make it new."""
+    return re.sub(r"[0-9.]+", "0", message)
 
 
 def diagnostics_message(name: str, status: Status, now_ns: int) -> DiagnosticArray:

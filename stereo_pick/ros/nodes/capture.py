@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +25,8 @@ from stereo_pick.ros.parameters import Values
 from stereo_pick.ros.process import run_nodes
 from stereo_pick.ros.replay_clock import ReplayClock
 from stereo_pick.ros.topics import CAMERA_INFO, CLOCK, IMAGE_RAW, SIDES
-from stereo_pick.sources.source import SourcePair, StereoSource, open_source
+from stereo_pick.sources.opening import open_source
+from stereo_pick.sources.source import SourcePair, StereoSource
 
 _LINGER_S = 1.0  # until the last images have left the process
 _IDLE_S = 0.02
@@ -169,8 +171,8 @@ class CaptureNode(StepNode):
         self._published += 1
 
     def _stamp_ns(self, pair: SourcePair) -> int:
-        """The recorded stamp; for files, which have none, the time now."""
-        return pair.stamp_ns if self._source.has_stamps else self.get_clock().now().nanoseconds
+        """The recorded stamp; for files, which have none, the time now (not ROS time, which may come from here)."""
+        return pair.stamp_ns if self._source.has_stamps else time.time_ns()
 
 
 def _opened(options: CaptureOptions) -> StereoSource:

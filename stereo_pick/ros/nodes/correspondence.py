@@ -21,6 +21,8 @@ from stereo_pick.ros.messages.stamps import stamp_ns
 from stereo_pick.ros.process import run_nodes
 from stereo_pick.ros.topics import ANNOTATED, CORRESPONDENCES, IMAGE_RECT, SIDES
 
+_REMEDIES = {"swapped": "; exchange the two image topics, or the cameras", "misaligned": " Calibrate again"}
+
 
 class CorrespondenceNode(JoinedNode):
     """Finds the objects in both rectified images and matches them."""
@@ -35,8 +37,9 @@ class CorrespondenceNode(JoinedNode):
         """What was matched and refused in the last pair."""
         refused = count_reasons(self._last.refused)
         values = {reason: str(count) for reason, count in refused.items()}
-        if "swapped" in refused:
-            return Status(ERROR, f"{REASONS['swapped']}; exchange the two image topics, or the cameras", values)
+        for fault, remedy in _REMEDIES.items():
+            if fault in refused:
+                return Status(ERROR, f"{REASONS[fault]}{remedy}", values)
         return Status(OK, f"{len(self._last)} objects matched, {len(self._last.refused)} refused", values)
 
     def process(self, messages: dict[str, Any], rig: StereoRig) -> None:

@@ -10,6 +10,7 @@ from rclpy.context import Context
 from sensor_msgs.msg import CameraInfo, Image
 
 from stereo_pick.core.configuration import configured, declared
+from stereo_pick.core.errors import StereoPickError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import pixels
 from stereo_pick.core.pairing import Pair, Side, StampPairer
@@ -47,9 +48,11 @@ class RectificationNode(StepNode):
     def __init__(self, context: Context) -> None:
         self._infos: dict[str, CameraInfo] = {}
         self._rectifier: Rectifier | None = None
+        self._refused: StereoPickError | None = None
         self._held: list[Pair[Image]] = []
         self._rectified = 0
         self._last_ns: dict[str, int] = {}
+        self._last_stamp_ns: dict[str, int] = {}
         super().__init__("rectification", context, declared({"": RectificationOptions}))
         self._images = {side: self.advertise(IMAGE_RECT[side]) for side in SIDES}
         self._camera_infos = {side: self.advertise(CAMERA_INFO_RECT[side]) for side in SIDES}
@@ -71,22 +74,35 @@ class RectificationNode(StepNode):
         counts = self._pairer.counts
         values = {"left": str(counts.left), "right": str(counts.right), "pairs": str(counts.pairs)}
         if counts.pairs == 0:
-            return Status(WARN if counts.left == counts.right == 0 else ERROR, self._pairer.explain(), values)
+            return Status(WARN if counts.left == counts.right == 0 else ERROR, self._why_no_pair(), values)
+        if self._refused is not None:
+            return Status(ERROR, str(self._refused), values)
         missing = [self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if side not in self._infos]
         if missing:
             message = f"no message on {' and '.join(missing)}: is the camera calibrated, and its camera_info published?"
             return Status(ERROR, message, values)
-        silence_s = {side: self._silence_s(side) for side in SIDES}
-        silent = [side for side in SIDES if silence_s[side] > _SILENT_AFTER_S]
+        silent = self._silent()
         if silent:
             topics = " and ".join(self.resolve_topic_name(IMAGE_RAW[side].name) for side in silent)
-            values["silent_s"] = f"{min(silence_s[side] for side in silent):.0f}"
             message = f"no image on {topics} any more: is the camera running?"
             return Status(WARN if len(silent) == len(SIDES) else ERROR, message, values)
+        if self._rectified == 0:
+            return Status(ERROR, self.last_error or f"none of {counts.pairs} pairs could be rectified", values)
         return Status(OK, f"{self._rectified} pairs rectified", values)
 
-    def _silence_s(self, side: str) -> float:
-        return (self.steady_clock.now().nanoseconds - self._last_ns[side]) / 1e9
+    def _why_no_pair(self) -> str:
+        silent = [self.resolve_topic_name(IMAGE_RAW[side].name) for side in SIDES if side not in self._last_ns]
+        if len(silent) == len(SIDES):
+            return f"no image on {' and '.join(silent)}: are the cameras running?"
+        explained = self._pairer.explain()
+        return f"no image on {silent[0]}: {explained}" if silent else explained
+
+    def _silent(self) -> list[Side]:
+        """Both sides where nothing comes any more, or the one that the other has left behind."""
+        now_ns = self.steady_clock.now().nanoseconds
+        latest_ns = max(self._last_ns.values())
+        since_ns = now_ns if now_ns - latest_ns > _SILENT_AFTER_S * 1e9 else latest_ns
+        return [side for side in SIDES if since_ns - self._last_ns[side] > _SILENT_AFTER_S * 1e9]
 
     def _on_camera_info(self, side: str, message: CameraInfo) -> None:
         known = self._infos.get(side)
@@ -94,16 +110,28 @@ class RectificationNode(StepNode):
         if known is not None and content(known) == content(message) and self._rectifier is not None:
             return
         if len(self._infos) == len(SIDES):
-            self._rectifier = None
-            left, right = (camera_of(self._infos[name], name) for name in SIDES)
-            self._rectifier = Rectifier(StereoRig.from_cameras(left, right))
+            self._calibrate()
             held, self._held = self._held, []
             for pair in held:
                 self._rectify(pair)
 
+    def _calibrate(self) -> None:
+        self._rectifier = self._refused = None
+        try:
+            left, right = (camera_of(self._infos[name], name) for name in SIDES)
+            self._rectifier = Rectifier(StereoRig.from_cameras(left, right))
+        except StereoPickError as error:
+            self._refused = error
+            raise
+
     def _on_image(self, side: Side, message: Image) -> None:
         self._last_ns[side] = self.steady_clock.now().nanoseconds
-        for pair in self._pairer.add(side, stamp_ns(message.header.stamp), message):
+        taken_ns = stamp_ns(message.header.stamp)
+        if taken_ns < self._last_stamp_ns.get(side, taken_ns):  # a replay that starts over: nothing old pairs any more
+            self._pairer.flush()
+            self._last_stamp_ns.clear()
+        self._last_stamp_ns[side] = taken_ns
+        for pair in self._pairer.add(side, taken_ns, message):
             if len(self._infos) < len(SIDES):
                 self._held = [*self._held, pair][-_MAX_HELD:]
             else:
@@ -111,7 +139,7 @@ class RectificationNode(StepNode):
 
     def _rectify(self, pair: Pair[Image]) -> None:
         if self._rectifier is None:
-            return  # its camera_info was refused, which is the node's status
+            return  # its camera_info was refused, which stays the node's status
         left, right = (
             pixels(buffer_of(message), self._options.full_scale_16, f"{side} image")
             for side, message in (("left", pair.left), ("right", pair.right))

@@ -1,7 +1,7 @@
-"""Whether the left and the right images are exchanged.
+"""Whether the images fit the calibration at all, before single objects are believed.
 
-On cameras that look towards each other, exchanged images can give depths that look quite possible. What gives them
-away is that the objects fit better the other way round.
+On cameras that look towards each other, exchanged images can give depths that look quite possible, and so can single
+chance matches under a wrong calibration. What gives both away is how many of the objects fit between the views.
 """
 
 from __future__ import annotations
@@ -21,14 +21,21 @@ _CONVINCING_COST = 0.1  # on the scale of `Similarity.costs`, where 1 is barely 
 _CLEARLY_WORSE = 4.0
 
 
-def looks_exchanged(blobs: Blobs, rig: StereoRig) -> bool:
-    """Whether the objects fit between the views only, or clearly better, when left and right change places."""
+def rig_fault(blobs: Blobs, rig: StereoRig) -> str:
+    """Why no object of this pair may be believed: `swapped`, `misaligned`, or nothing.
+
+    swapped: the objects fit only, or clearly better, when left and right change places. misaligned: at most half of
+    the objects that could have a partner have one; what hides an object hides it from one camera, not half from each.
+    """
     left, right = blobs.sound()
+    possible = min(len(left), len(right))
     count, cost = _fit(left, right, rig)
-    if count == min(len(left), len(right)) and cost < _CONVINCING_COST:
-        return False
+    if count == possible and cost < _CONVINCING_COST:
+        return ""
     other_count, other_cost = _fit(_seen_by(right, rig.right, rig.left), _seen_by(left, rig.left, rig.right), rig)
-    return other_count > count or (0 < other_count == count and cost > _CLEARLY_WORSE * other_cost)
+    if other_count > count or (0 < other_count == count and cost > _CLEARLY_WORSE * other_cost):
+        return "swapped"
+    return "misaligned" if possible >= 2 and 2 * count <= possible else ""
 
 
 def _fit(left: list[Blob], right: list[Blob], rig: StereoRig) -> tuple[int, float]:

@@ -1,0 +1,48 @@
+"""The model of the empty work surface."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rigs import SIZE_PX
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.objects.background import fit_background
+
+EVERYWHERE = np.ones(SIZE_PX[::-1], bool)
+
+
+def surface() -> Floats:
+    u, v = np.meshgrid(np.linspace(-0.5, 0.5, SIZE_PX[0]), np.linspace(-0.5, 0.5, SIZE_PX[1]))
+    return np.asarray(100 + 30 * u - 20 * v - 40 * u * u + 10 * u * v - 25 * v * v)
+
+
+def noisy(sigma: float, seed: int = 0) -> Floats:
+    return surface() + np.random.default_rng(seed).normal(0, sigma, SIZE_PX[::-1])
+
+
+@pytest.mark.parametrize("sigma", [1.0, 2.5, 6.0])
+def test_a_quadratic_fall_off_and_its_noise_are_found(sigma: float) -> None:
+    background = fit_background(noisy(sigma).astype(np.float32), EVERYWHERE)
+    np.testing.assert_allclose(background.level, surface(), atol=0.35 * sigma)
+    assert background.sigma == pytest.approx(sigma, rel=0.06)
+
+
+@pytest.mark.parametrize("contrast", [-80.0, 15.0, 100.0])
+def test_parts_over_a_third_of_the_view_do_not_bend_it(contrast: float) -> None:
+    image = noisy(1.0)
+    image[100:400, 100:440] += contrast
+    background = fit_background(image.astype(np.float32), EVERYWHERE)
+    np.testing.assert_allclose(background.level, surface(), atol=0.5)
+
+
+def test_what_lies_outside_the_raw_image_does_not_count() -> None:
+    image, inside = noisy(1.0), EVERYWHERE.copy()
+    inside[:, 420:] = False
+    image[~inside] = 0.0
+    level = fit_background(image.astype(np.float32), inside).level
+    np.testing.assert_allclose(level[:, :420], surface()[:, :420], atol=1.0)
+
+
+def test_the_spread_of_a_perfect_image_is_that_of_rounding() -> None:
+    assert 0.2 <= fit_background(np.full(SIZE_PX[::-1], 70.0, np.float32), EVERYWHERE).sigma <= 1.0

@@ -1,0 +1,82 @@
+"""Measures of an outline."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from outlines import disc
+from rigs import rotation
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.errors import ArrayError
+from stereo_pick.core.objects import Blob, Blobs
+
+SIZES = st.floats(8, 80)
+ANGLES = st.floats(-1.5, 1.5)
+SHIFTS = st.floats(-300, 300)
+
+
+def rectangle(length: float, width: float, angle: float, x: float = 0.0, y: float = 0.0) -> Floats:
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (length / 2, width / 2)
+    return corners @ rotation((0, 0, angle))[:2, :2].T + (x, y)
+
+
+@given(SIZES, SIZES, ANGLES, SHIFTS, SHIFTS)
+def test_a_rectangle_has_its_area_and_centre(a: float, b: float, angle: float, x: float, y: float) -> None:
+    blob = Blob(rectangle(a, b, angle, x, y), contrast=1.0)
+    assert blob.area_px2 == pytest.approx(a * b)
+    np.testing.assert_allclose(blob.centroid_px, (x, y), atol=1e-6)
+
+
+@given(SIZES, SIZES, ANGLES, SHIFTS, SHIFTS)
+def test_length_width_and_direction_are_those_of_the_rectangle(
+    a: float, b: float, angle: float, x: float, y: float
+) -> None:
+    assume(a > 1.05 * b)
+    length, width, direction = Blob(rectangle(a, b, angle, x, y), contrast=1.0).rectangle
+    assert (length, width) == pytest.approx((a, b), rel=1e-3)
+    assert np.sin(direction - angle) == pytest.approx(0, abs=0.01)
+    assert -np.pi / 2 <= direction < np.pi / 2
+
+
+@given(SIZES, SIZES, ANGLES)
+def test_the_sense_of_the_outline_does_not_matter(a: float, b: float, angle: float) -> None:
+    contour = rectangle(a, b, angle, 50, 60)
+    one, other = Blob(contour, 1.0), Blob(contour[::-1], 1.0)
+    assert one.area_px2 == pytest.approx(other.area_px2)
+    np.testing.assert_allclose(one.centroid_px, other.centroid_px)
+
+
+def test_a_triangle_has_its_centroid_not_that_of_its_corners_box() -> None:
+    np.testing.assert_allclose(Blob(np.array([(0, 0), (9, 0), (0, 3)]), 1.0).centroid_px, (3, 1))
+
+
+def test_rows_are_those_of_the_topmost_and_the_lowest_point() -> None:
+    assert disc(50, 70, 20).rows_px == pytest.approx((50, 90))
+
+
+@given(SIZES, SIZES, ANGLES)
+def test_a_convex_outline_has_no_notch(a: float, b: float, angle: float) -> None:
+    assert Blob(rectangle(a, b, angle, 100, 100), 1.0).concavity < 0.02
+
+
+@given(st.floats(0.1, 0.9))
+def test_a_notch_counts_as_a_part_of_the_width(part: float) -> None:
+    notched = np.array([(0, 0), (45, 0), (50, 40 * part), (55, 0), (100, 0), (100, 40), (0, 40)])
+    assert Blob(notched, 1.0).concavity == pytest.approx(part, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "contour", [np.zeros((2, 2)), np.zeros((5, 3)), np.full((4, 2), np.nan)], ids=["2", "3d", "nan"]
+)
+def test_what_is_no_outline_is_refused(contour: Floats) -> None:
+    with pytest.raises(ArrayError, match="contour_px"):
+        Blob(contour, 1.0)
+
+
+def test_sound_objects_are_those_without_a_fault() -> None:
+    good, bad = disc(10, 10), disc(60, 10, fault="merged")
+    left, right = Blobs((good, bad), (bad,), "bright").sound()
+    assert left == [good] and right == []

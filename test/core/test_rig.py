@@ -1,0 +1,119 @@
+"""Two cameras as one rig, and the calibrations that no real rig can have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rigs import RIGS, camera, looking_at, random_rigs, thesis_cameras
+
+from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.transform import Transform
+
+
+def rig_of(centre_m: tuple[float, float, float], unit: float = 1.0) -> StereoRig:
+    """A rig whose right camera stands at `centre_m`, read as if in another unit."""
+    towards = looking_at(centre_m, (centre_m[0], centre_m[1], 1.0))
+    shift = Transform(towards.rotation, towards.translation * unit)
+    return StereoRig.from_extrinsics(camera("left"), camera("right"), shift)
+
+
+@given(random_rigs())
+def test_the_right_projection_holds_the_baseline(rig: StereoRig) -> None:
+    assert rig.right.P[0, 3] == pytest.approx(-rig.focal_px * rig.baseline_m)
+    assert rig.left.P[0, 3] == 0 and rig.left.P[1, 3] == rig.right.P[1, 3] == 0
+    assert rig.baseline_m == pytest.approx(np.linalg.norm(rig.right_T_left.inverse().translation))
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_the_extrinsics_survive_the_way_through_R_and_P(name: str) -> None:
+    rig = RIGS[name]
+    again = StereoRig.from_extrinsics(rig.left, rig.right, rig.right_T_left)
+    np.testing.assert_allclose(again.right_T_left.rotation, rig.right_T_left.rotation, atol=1e-12)
+    np.testing.assert_allclose(again.right_T_left.translation, rig.right_T_left.translation, atol=1e-12)
+
+
+def test_the_thesiss_extrinsics_are_kept() -> None:
+    _, _, right_T_left = thesis_cameras()
+    np.testing.assert_allclose(RIGS["thesis"].right_T_left.rotation, right_T_left.rotation, atol=1e-12)
+    np.testing.assert_allclose(RIGS["thesis"].right_T_left.translation, right_T_left.translation, atol=1e-12)
+    assert RIGS["thesis"].baseline_m == pytest.approx(0.210344, abs=1e-6)
+
+
+@given(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2), st.floats(0.5, 2.0))
+def test_a_point_is_projected_through_both_cameras(x: float, y: float, z: float) -> None:
+    rig = RIGS["rolled"]
+    left_px, right_px = rig.project([(x, y, z)])
+    np.testing.assert_array_equal(left_px, rig.left.project([(x, y, z)]))
+    in_right = rig.right_T_left.rotation @ (x, y, z) + rig.right_T_left.translation
+    np.testing.assert_allclose(right_px, rig.right.project([in_right]), atol=1e-9)
+
+
+def test_cameras_that_come_with_any_rectification_get_the_rigs_own() -> None:
+    """Another program's R and P say where the cameras stand; the rectified view is made anew."""
+    rig = RIGS["verged"]
+    turn = looking_at((0.3, 0.1, 0.0), (0.0, 0.1, 0.9)).rotation.T
+    common = np.array([[500.0, 0, 100, 0], [0, 500.0, 50, 0], [0, 0, 1, 0]])
+    left_R, right_R = rig.left.R, rig.right.R
+    right_P = common.copy()
+    right_P[0, 3] = -500 * rig.baseline_m
+    foreign = replace(rig.left, R=left_R, P=common), replace(rig.right, R=right_R, P=right_P)
+    assert not np.allclose(turn, left_R)
+    again = StereoRig.from_cameras(*foreign)
+    np.testing.assert_allclose(again.left.P, rig.left.P)
+    np.testing.assert_allclose(again.right.P, rig.right.P)
+
+
+def test_a_zero_baseline_is_refused() -> None:
+    """data/vigir2024_same_camera: both images came from one camera, and the rms was excellent."""
+    with pytest.raises(CalibrationError, match=r"baseline = 0\.100 mm is zero: both images come from the same place"):
+        rig_of((0.0001, 0.0, 0.0))
+
+
+def test_a_camera_info_of_a_single_calibration_is_refused() -> None:
+    with pytest.raises(CalibrationError, match="calibrated one by one"):
+        StereoRig.from_cameras(camera("left"), camera("right"))
+
+
+def test_a_negative_baseline_is_refused() -> None:
+    with pytest.raises(CalibrationError, match=r"baseline = -0\.2000 m is negative.*left and right are swapped"):
+        rig_of((-0.2, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("name", [name for name in RIGS if name != "vertical"])
+def test_exchanged_cameras_are_refused(name: str) -> None:
+    rig = RIGS[name]
+    with pytest.raises(CalibrationError, match="swapped"):
+        StereoRig.from_extrinsics(rig.right, rig.left, rig.right_T_left.inverse())
+    with pytest.raises(CalibrationError, match=r"baseline -P\[0,3\] / fx of the right camera = -0\.\d+ m is negative"):
+        StereoRig.from_cameras(rig.left, replace(rig.right, P=rig.right.P * np.where(np.arange(4) == 3, -1, 1)))
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_exchanged_camera_infos_are_refused(name: str) -> None:
+    """P[0,3] stands in the right camera's; where it stands in the left one's, the files are exchanged."""
+    with pytest.raises(CalibrationError, match=r"P\[0,3\] of the left camera = -\d.* swapped"):
+        StereoRig.from_cameras(RIGS[name].right, RIGS[name].left)
+
+
+def test_a_baseline_in_millimetres_is_refused() -> None:
+    with pytest.raises(CalibrationError, match=r"baseline = 200\.0 m .* is in millimetres; divide .* by 1000"):
+        rig_of((0.2, 0.0, 0.0), unit=1000)
+
+
+def test_cameras_one_above_the_other_are_no_swapped_ones() -> None:
+    for height_m in (-0.2, 0.2):
+        assert rig_of((-0.01, height_m, 0.0)).baseline_m == pytest.approx(0.2, rel=0.01)
+
+
+@pytest.mark.parametrize(("row", "column", "value"), [(1, 1, 701.0), (1, 2, 250.0), (1, 3, 20.0)])
+def test_projections_that_share_no_rows_are_refused(row: int, column: int, value: float) -> None:
+    rig = RIGS["parallel"]
+    P = rig.right.P.copy()
+    P[row, column] = value
+    with pytest.raises(CalibrationError, match="do not share their rows"):
+        StereoRig(rig.left, replace(rig.right, P=P))

@@ -1,0 +1,377 @@
+"""What each node tells of itself on /diagnostics, with real messages: what is missing, wrong or refused, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rigs
+from ros_tools import Graph, reserved_domain
+
+import stereo_pick.ros.node as node_module
+import stereo_pick.ros.nodes.rectification as rectification_module
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence import Correspondences
+from stereo_pick.core.frames import RectifiedPair, StereoFrame
+from stereo_pick.core.rectification import Rectifier
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.transform import Transform
+from stereo_pick.ros.messages.cameras import camera_info_message
+from stereo_pick.ros.messages.correspondences import correspondences_message
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN
+from stereo_pick.ros.messages.images import image_message
+from stereo_pick.ros.messages.stamps import stamp_ns
+from stereo_pick.ros.nodes.capture import CaptureNode
+from stereo_pick.ros.nodes.correspondence import CorrespondenceNode
+from stereo_pick.ros.nodes.rectification import RectificationNode
+from stereo_pick.ros.nodes.triangulation import TriangulationNode
+from stereo_pick.ros.topics import (
+    CAMERA_INFO,
+    CAMERA_INFO_RECT,
+    CORRESPONDENCES,
+    IMAGE_RAW,
+    IMAGE_RECT,
+    OBJECT_POSES,
+    SIDES,
+)
+
+START_NS = 1_760_000_000_000_000_000
+STEP_NS = 50_000_000
+SIZE_PX = (160, 120)
+RIG = StereoRig.from_extrinsics(
+    rigs.camera("left", 220.0, (79.5, 59.5), size_px=SIZE_PX),
+    rigs.camera("right", 220.0, (79.5, 59.5), size_px=SIZE_PX),
+    Transform(np.eye(3), np.array([-0.1, 0.0, 0.0])),
+)
+GREY = np.full(SIZE_PX[::-1], 90, np.uint8)
+
+
+@pytest.fixture(autouse=True)
+def frequent_diagnostics(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(node_module, "_DIAGNOSTICS_PERIOD_S", 0.1)
+    monkeypatch.setattr(rectification_module, "_SILENT_AFTER_S", 0.5)
+
+
+class Cameras:
+    """A driver of two cameras: images and camera_info, of stamps that go on."""
+
+    def __init__(self, graph: Graph, images: Any = IMAGE_RAW, infos: Any = CAMERA_INFO) -> None:
+        self._graph = graph
+        self.images = {side: graph.publisher(images[side]) for side in SIDES}
+        self.infos = {side: graph.publisher(infos[side]) for side in SIDES}
+        self.stamp_ns = START_NS
+
+    def image(self, side: str, picture: Any = GREY, offset_ns: int = 0) -> None:
+        message = image_message(picture, self.stamp_ns + offset_ns, f"{side}_eye")
+        self.images[side].publish(message)
+
+    def info(self, side: str, camera: Camera) -> None:
+        self.infos[side].publish(camera_info_message(camera, self.stamp_ns, f"{side}_eye"))
+
+    def pair(self, left: Any = GREY, right: Any = GREY, rig: StereoRig | None = RIG) -> None:
+        for side, picture in zip(SIDES, (left, right)):
+            if rig is not None:
+                self.info(side, getattr(rig, side))
+            self.image(side, picture)
+        self.stamp_ns += STEP_NS
+
+    def until(self, send: Callable[[], None], condition: Callable[[], Any], what: str) -> Any:
+        """Send again and again until the condition holds: images are best effort, and the first find no listener."""
+
+        def holds() -> Any:
+            send()
+            self._graph.spin(0.05)
+            return condition()
+
+        return self._graph.wait(holds, what)
+
+
+def told(graph: Graph, node: str, level: bytes, *parts: str) -> Callable[[], bool]:
+    """Whether the node's last status is of that level and has those parts in its line."""
+
+    def check() -> bool:
+        last_level, message = graph.statuses().get(node, (None, ""))
+        return last_level == level and all(part in message for part in parts) and "\n" not in message
+
+    return check
+
+
+def test_rectification_names_the_topics_that_are_silent_from_the_start(graph: Graph) -> None:
+    graph.host(RectificationNode(graph.context))
+    graph.wait(told(graph, "rectification", WARN, "/left/image_raw", "/right/image_raw"), "both are named")
+
+
+@pytest.mark.parametrize(("alive", "dead"), [("left", "right"), ("right", "left")])
+def test_rectification_names_the_one_camera_that_is_silent(graph: Graph, alive: str, dead: str) -> None:
+    graph.host(RectificationNode(graph.context))
+    cameras = Cameras(graph)
+    parts = (f"no image on /{dead}/image_raw", f"is the {dead} camera running?")
+    cameras.until(lambda: cameras.image(alive), told(graph, "rectification", ERROR, *parts), "the dead one is named")
+    assert f"/{alive}/image_raw" not in graph.statuses()["rectification"][1]
+
+
+def test_rectification_names_a_remapped_topic(graph: Graph) -> None:
+    with reserved_domain() as domain:
+        other = Graph(domain, ["-r", "__ns:=/cell1", "-r", "right/image_raw:=/cam1/image"])
+        other.host(RectificationNode(other.context))
+        other.wait(told(other, "rectification", WARN, "/cell1/left/image_raw", "/cam1/image"), "real names")
+        other.close()
+
+
+def test_rectification_names_the_camera_that_has_gone_and_rejoices_when_it_is_back(graph: Graph) -> None:
+    graph.host(RectificationNode(graph.context))
+    cameras = Cameras(graph)
+    cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it works")
+
+    def left_only() -> None:
+        cameras.image("left")
+        cameras.stamp_ns += STEP_NS
+
+    gone = told(graph, "rectification", ERROR, "no image on /right/image_raw any more")
+    cameras.until(left_only, gone, "the lost one is named")
+    graph.wait(told(graph, "rectification", WARN, "/left/image_raw and /right/image_raw"), "both have gone")
+    cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it works again")
+
+
+def test_rectification_says_by_how_much_stamps_differ(graph: Graph) -> None:
+    graph.host(RectificationNode(graph.context))
+    cameras = Cameras(graph)
+
+    def apart() -> None:
+        cameras.image("left")
+        cameras.image("right", offset_ns=2 * 10**10)
+        cameras.stamp_ns += STEP_NS
+
+    parts = ("differ by", "s", "max_stamp_offset_s = 0.01", "same time")
+    cameras.until(apart, told(graph, "rectification", ERROR, *parts), "the offset is named")
+
+
+def test_rectification_asks_for_the_camera_info_that_is_missing_and_then_uses_what_it_held(graph: Graph) -> None:
+    graph.host(RectificationNode(graph.context))
+    images, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
+
+    def without_right_info() -> None:
+        cameras.info("left", RIG.left)
+        cameras.pair(rig=None)
+
+    parts = ("no message on /right/camera_info", "calibrated")
+    cameras.until(without_right_info, told(graph, "rectification", ERROR, *parts), "camera_info is named")
+    assert images == []
+    held_ns = cameras.stamp_ns - STEP_NS
+    cameras.until(lambda: cameras.info("right", RIG.right), lambda: images, "the held pairs come")
+    graph.wait(lambda: stamp_ns(images[-1].header.stamp) == held_ns, "the last of them")
+
+
+def _changed(camera: Camera, **fields: Any) -> Camera:
+    values = {name: getattr(camera, name) for name in camera.__dataclass_fields__}
+    return Camera(**{**values, **fields})
+
+
+def _with_baseline_m(baseline_m: float) -> Callable[[Any], None]:
+    def spoil(info: Any) -> None:
+        info.p[3] = -info.p[0] * baseline_m
+
+    return spoil
+
+
+def _nan(info: Any) -> None:
+    info.k[2] = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "parts"),
+    [
+        (_with_baseline_m(0.0), ["baseline = 0.000 mm is zero", "stereo pair"]),
+        (_with_baseline_m(-0.1), ["baseline", "-0.1000 m is negative", "exchange"]),
+        (_with_baseline_m(100.0), ["baseline = 100.0 m", "millimetres", "divide"]),
+        (_nan, ["right camera: K holds nan", "finite"]),
+    ],
+)
+def test_rectification_refuses_a_calibration_that_cannot_be_and_stays_with_it(
+    graph: Graph, spoil: Callable[[Any], None], parts: list[str]
+) -> None:
+    graph.host(RectificationNode(graph.context))
+    rectified, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
+    bad = camera_info_message(RIG.right, START_NS, "right_eye")
+    spoil(bad)
+
+    def send() -> None:
+        cameras.infos["right"].publish(bad)
+        cameras.info("left", RIG.left)
+        cameras.pair(rig=None)
+
+    cameras.until(send, told(graph, "rectification", ERROR, *parts), "the calibration is refused")
+    # A driver may send its camera_info once: the refusal must not fade while images go on.
+    graph.forget_statuses()
+    seen = told(graph, "rectification", ERROR, *parts)
+    cameras.until(lambda: cameras.pair(rig=None), lambda: len(graph.diagnostics) >= 5, "five more statuses")
+    assert seen()
+    assert all(status.level == ERROR for array in graph.diagnostics for status in array.status)
+    assert rectified == []
+    cameras.until(cameras.pair, told(graph, "rectification", OK, "rectified"), "a good calibration is taken")
+    assert rectified
+
+
+@pytest.mark.parametrize(
+    ("change", "parts"),
+    [
+        ({"encoding": "bayer_rggb8"}, ["right image", "unknown encoding 'bayer_rggb8'", "debayer"]),
+        ({"encoding": "16UC9"}, ["right image", "unknown encoding '16UC9'", "mono8"]),
+        ({"data": bytes(100)}, ["right image", "100 bytes", "19200", "cut short"]),
+        ({"step": 80}, ["right image", "step = 80"]),
+        ({"width": 80, "step": 80, "data": bytes(80 * 120)}, ["right image is 80 x 120", "160 x 120", "calibrate"]),
+    ],
+)
+def test_rectification_names_a_bad_image_and_takes_the_next_good_one(
+    graph: Graph, change: dict[str, Any], parts: list[str]
+) -> None:
+    graph.host(RectificationNode(graph.context))
+    rectified, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
+
+    def send() -> None:
+        cameras.info("left", RIG.left)
+        cameras.info("right", RIG.right)
+        cameras.image("left")
+        message = image_message(GREY, cameras.stamp_ns, "right_eye")
+        for name, value in change.items():
+            setattr(message, name, value)
+        cameras.images["right"].publish(message)
+        cameras.stamp_ns += STEP_NS
+
+    cameras.until(send, told(graph, "rectification", ERROR, *parts), "the image is named")
+    assert rectified == []
+    cameras.until(cameras.pair, lambda: rectified, "good ones are rectified")
+
+
+def test_a_replay_that_starts_over_is_paired_although_the_last_image_had_no_partner(graph: Graph) -> None:
+    node = graph.host(RectificationNode(graph.context))
+    rectified, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
+    cameras.until(cameras.pair, lambda: rectified, "it works")
+    seen = node._pairer.counts.right
+    cameras.until(lambda: cameras.image("right"), lambda: node._pairer.counts.right > seen, "one without partner")
+    cameras.stamp_ns = START_NS
+    rectified.clear()
+    for _ in range(5):
+        cameras.pair()
+        graph.spin(0.05)
+    last_ns = START_NS + 4 * STEP_NS
+    graph.wait(lambda: any(stamp_ns(m.header.stamp) == last_ns for m in rectified), "the replay's pairs", 5)
+
+
+def test_correspondence_names_what_it_waits_for(graph: Graph) -> None:
+    graph.host(CorrespondenceNode(graph.context))
+    cameras = Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    every = ("/left/image_rect", "/right/image_rect", "/left/camera_info_rect", "/right/camera_info_rect")
+    graph.wait(told(graph, "correspondence", WARN, *every), "all are named")
+    one_left = told(graph, "correspondence", WARN, "/right/image_rect, /left/camera_info_rect, /right/camera_info_rect")
+    cameras.until(lambda: cameras.image("left"), one_left, "those that are left")
+
+
+@pytest.fixture(scope="module")
+def demo() -> RectifiedPair:
+    """The demo bag's first pair, rectified."""
+    from recordings import DEMO_RIG, demo_pairs
+
+    from stereo_pick.core.calibration.files import load_rig
+
+    (pair,) = demo_pairs(1)
+    return Rectifier(load_rig(DEMO_RIG)).rectify(StereoFrame(*pair))
+
+
+def test_correspondence_tells_of_exchanged_images_and_matches_none(graph: Graph, demo: RectifiedPair) -> None:
+    graph.host(CorrespondenceNode(graph.context))
+    found, cameras = graph.listen(CORRESPONDENCES), Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    parts = ("left and the right images are exchanged", "exchange the two image topics")
+    rectifier = Rectifier(demo.rig)
+    from recordings import demo_pairs
+
+    ((left, right),) = demo_pairs(1)
+    wrong = rectifier.rectify(StereoFrame(right, left))
+    cameras.until(
+        lambda: cameras.pair(wrong.left, wrong.right, demo.rig),
+        told(graph, "correspondence", ERROR, *parts),
+        "exchange",
+    )
+    cameras.until(
+        lambda: cameras.pair(demo.left, demo.right, demo.rig), told(graph, "correspondence", OK, "4 objects"), "right"
+    )
+    from stereo_pick.ros.messages.correspondences import correspondences_of
+
+    counts = {len(correspondences_of(message)) for message in found}
+    assert counts == {0, 4}
+
+
+def test_correspondence_names_a_rectified_image_that_does_not_fit_its_camera_info(graph: Graph) -> None:
+    graph.host(CorrespondenceNode(graph.context))
+    found, cameras = graph.listen(CORRESPONDENCES), Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    parts = ("rectified right image is 80 x 60", "160 x 120")
+    cameras.until(lambda: cameras.pair(right=GREY[::2, ::2]), told(graph, "correspondence", ERROR, *parts), "the size")
+    assert found == []
+
+
+def _rows(rig: StereoRig, gap_px: float) -> Correspondences:
+    """Two points 1 m away, and their right rows off by gap_px."""
+    disparity = rig.focal_px * rig.baseline_m - (rig.right.P[0, 2] - rig.left.P[0, 2])
+    left = np.array([[60.0, 50.0], [90.0, 70.0]])
+    right = left - (disparity, gap_px)
+    return Correspondences(left, right, np.full((2, 2), 0.1), np.full((2, 2), 9.0), np.zeros(2))
+
+
+def test_triangulation_tells_of_rays_that_do_not_meet_and_publishes_an_empty_array(graph: Graph) -> None:
+    graph.host(TriangulationNode(graph.context))
+    poses, cameras = graph.listen(OBJECT_POSES), Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    table = graph.publisher(CORRESPONDENCES)
+    waiting = ("/correspondences", "/left/camera_info_rect", "/right/camera_info_rect")
+    graph.wait(told(graph, "triangulation", WARN, *waiting), "all are named")
+
+    def send(gap_px: float) -> None:
+        for side in SIDES:
+            cameras.info(side, getattr(RIG, side))
+        table.publish(correspondences_message(_rows(RIG, gap_px), cameras.stamp_ns, "left_eye"))
+        cameras.stamp_ns += STEP_NS
+
+    apart = told(graph, "triangulation", ERROR, "rays of 2 objects do not meet", "moved")
+    cameras.until(lambda: send(20.0), apart, "the rays")
+    assert poses
+    assert all(len(message.poses) == 0 for message in poses)
+    cameras.until(lambda: send(0.0), told(graph, "triangulation", OK, "2 objects located"), "good ones")
+    graph.wait(lambda: len(poses[-1].poses) == 2, "two poses")
+    assert [round(pose.position.z, 6) for pose in poses[-1].poses] == [1.0, 1.0]
+
+
+def test_triangulation_refuses_a_table_of_another_make(graph: Graph) -> None:
+    graph.host(TriangulationNode(graph.context))
+    poses, cameras = graph.listen(OBJECT_POSES), Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    table = graph.publisher(CORRESPONDENCES)
+
+    def send() -> None:
+        for side in SIDES:
+            cameras.info(side, getattr(RIG, side))
+        message = correspondences_message(_rows(RIG, 0.0), cameras.stamp_ns, "left_eye")
+        message.data = message.data[:-5]
+        table.publish(message)
+        cameras.stamp_ns += STEP_NS
+
+    cameras.until(send, told(graph, "triangulation", ERROR, "bytes", "2 rows", "announced"), "the table")
+    assert poses == []
+
+
+def test_capture_waits_for_listeners_and_then_tells_how_far_it_is(tmp_path: Path) -> None:
+    from recordings import Recording
+
+    bag = Recording.of(RIG, *[(GREY, GREY)] * 3).write(tmp_path / "bag")
+    with reserved_domain() as domain:
+        graph = Graph(domain, ["-p", f"source:={bag}", "-p", "wait_for_subscribers_s:=60.0"])
+        node = graph.host(CaptureNode(graph.context))
+        graph.wait(told(graph, "capture", WARN, "waiting for subscribers"), "it waits")
+        left = graph.listen(IMAGE_RAW["left"])
+        graph.spin(0.3)
+        assert left == []
+        right = graph.listen(IMAGE_RAW["right"])
+        graph.wait(lambda: len(left) == len(right) == 3, "all three pairs")
+        graph.wait(told(graph, "capture", OK, "finished", str(bag), "3 pairs"), "the end")
+        graph.wait(lambda: node.finished, "done")
+        graph.close()

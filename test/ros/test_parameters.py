@@ -1,0 +1,179 @@
+"""Parameters on real nodes: what they tell of themselves, what they refuse, and when they take effect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.parameter import Parameter as RosParameter
+from ros_tools import Graph, reserved_domain
+
+from stereo_pick.cli.parameters import nodes as declared_nodes
+from stereo_pick.core.errors import ParameterError
+from stereo_pick.core.params import Parameter
+from stereo_pick.ros.nodes.capture import CaptureNode
+from stereo_pick.ros.nodes.correspondence import CorrespondenceNode
+from stereo_pick.ros.nodes.rectification import RectificationNode
+from stereo_pick.ros.nodes.triangulation import TriangulationNode
+from stereo_pick.ros.parameters import LiveParameters
+
+DEMO = Path(__file__).parents[2] / "bags" / "demo"
+CLASSES = {
+    "capture": CaptureNode,
+    "rectification": RectificationNode,
+    "correspondence": CorrespondenceNode,
+    "triangulation": TriangulationNode,
+}
+
+
+@pytest.fixture(scope="module")
+def hosted() -> Iterator[tuple[Graph, dict[str, Any]]]:
+    """One node of each kind beside the test's own; each test leaves their parameters as they were."""
+    with reserved_domain() as domain:
+        graph = Graph(domain, ["-p", f"source:={DEMO}"])
+        yield graph, {name: graph.host(make(graph.context)) for name, make in CLASSES.items()}
+        graph.close()
+
+
+def parameters_of(name: str) -> dict[str, Parameter]:
+    return declared_nodes()[name]
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_a_node_has_just_the_declared_parameters_with_ranges_and_meaning(hosted: Any, name: str) -> None:
+    node = hosted[1][name]
+    of_ros = {"use_sim_time", "start_type_description_service", "source"}
+    own = {n for n in node._parameters if n not in of_ros and not n.startswith("qos_overrides.")}
+    assert own == set(parameters_of(name)) - {"source"}
+    for full_name, parameter in parameters_of(name).items():
+        told = node.describe_parameter(full_name)
+        assert told.description == parameter.doc
+        assert told.read_only == parameter.fixed
+        assert all(choice in told.additional_constraints for choice in parameter.choices)
+        if full_name != "source":
+            assert node.get_parameter(full_name).value == parameter.default
+        ranges = [*told.integer_range, *told.floating_point_range]
+        bounded = isinstance(parameter.default, (int, float)) and not isinstance(parameter.default, bool)
+        assert len(ranges) == int(bounded and (parameter.low is not None or parameter.high is not None))
+        for span in ranges:
+            assert parameter.low is None or span.from_value == parameter.low
+            assert parameter.high is None or span.to_value == parameter.high
+
+
+@pytest.mark.parametrize(
+    ("node", "name", "value", "parts"),
+    [
+        ("correspondence", "segmentation.min_area_px", 0, ["segmentation.min_area_px", "1", "1000000"]),
+        ("correspondence", "segmentation.threshold_sigma", 50.5, ["segmentation.threshold_sigma", "50"]),
+        ("correspondence", "segmentation.polarity", "grey", ["polarity = 'grey'", "auto, bright, dark"]),
+        ("correspondence", "method", "guess", ["method = 'guess'", "feature", "ssd"]),
+        ("correspondence", "ssd.window_px", 4.5, ["expected 'Type.INTEGER'"]),
+        ("correspondence", "feature.epipolar_tolerance_px", float("nan"), ["epipolar_tolerance_px"]),
+        ("triangulation", "triangulation.max_ray_gap_m", 2.0, ["max_ray_gap_m", "1"]),
+        ("rectification", "full_scale_16", 65536, ["full_scale_16", "65535"]),
+        ("capture", "rate", 0.0, ["rate", "0.01"]),
+        ("capture", "source", "/elsewhere", ["source", "read-only"]),
+        ("capture", "left_topic", "/elsewhere", ["left_topic", "read-only"]),
+    ],
+)
+def test_a_bad_value_is_refused_live_with_the_reason(
+    hosted: Any, node: str, name: str, value: Any, parts: list[str]
+) -> None:
+    graph, nodes = hosted
+    before, held = nodes[node].get_parameter(name).value, dict(nodes[node].parameters.values)
+    result = graph.set_parameter(node, name, value)
+    assert not result.successful
+    for part in parts:
+        assert part in result.reason
+    assert nodes[node].get_parameter(name).value == before
+    assert nodes[node].parameters.values == held
+
+
+def test_a_good_value_takes_effect_live(hosted: Any) -> None:
+    graph, nodes = hosted
+    node = nodes["correspondence"]
+    assert type(node.steps.method).__name__ == "Feature"
+    assert graph.set_parameter("correspondence", "method", "ssd").successful
+    assert type(node.steps.method).__name__ == "Ssd"
+    assert graph.set_parameter("correspondence", "ssd.window_px", 21).successful
+    assert node.steps.method.window_px == 21
+    assert graph.set_parameter("correspondence", "segmentation.polarity", "dark").successful
+    assert node.steps.detector.polarity == "dark"
+    for name, value in (("method", "feature"), ("ssd.window_px", 15), ("segmentation.polarity", "auto")):
+        assert graph.set_parameter("correspondence", name, value).successful
+    assert type(node.steps.method).__name__ == "Feature"
+
+
+def test_a_set_is_taken_as_a_whole_or_not_at_all(hosted: Any) -> None:
+    node = hosted[1]["correspondence"]
+    held, steps = dict(node.parameters.values), node.steps
+    good, bad = RosParameter("segmentation.min_area_px", value=99), RosParameter("method", value="guess")
+    result = node.set_parameters_atomically([good, bad])
+    assert not result.successful
+    assert node.parameters.values == held
+    assert node.steps is steps
+
+
+def test_a_set_refused_by_another_callback_leaves_the_old_values_standing(hosted: Any) -> None:
+    graph, _ = hosted
+    node = graph.host(_plain(graph, "refusing"))
+    asked: list[str] = []
+
+    def refuse(parameters: list[RosParameter]) -> SetParametersResult:
+        asked.extend(parameter.name for parameter in parameters)
+        return SetParametersResult(successful=not changes_are_refused, reason="somebody else says no")
+
+    changes: list[None] = []
+    changes_are_refused = False
+    node.add_on_set_parameters_callback(refuse)  # called after the package's own, which is added later
+    declared = {"gap_m": Parameter("gap_m", 0.5, "A gap.", 0.0, 1.0)}
+    live = LiveParameters(node, declared, lambda values: None, lambda: changes.append(None))
+    asked.clear()
+    changes_are_refused = True
+
+    result = graph.set_parameter("refusing", "gap_m", 0.7)
+    assert (result.successful, result.reason) == (False, "somebody else says no")
+    assert asked == ["gap_m"]
+    assert live.values == {"gap_m": 0.5}
+    assert changes == []
+
+
+def test_parameters_of_others_do_not_disturb(hosted: Any) -> None:
+    graph, nodes = hosted
+    node = nodes["triangulation"]
+    steps = node.steps
+    assert graph.set_parameter("triangulation", "use_sim_time", False).successful
+    assert node.steps is steps
+
+
+@pytest.mark.parametrize(
+    ("node", "assignment", "parts"),
+    [
+        ("correspondence", "segmentation.min_area_px:=0", ["segmentation.min_area_px", "1 .. 1e+06"]),
+        ("correspondence", "method:=guess", ["method = 'guess'", "feature, ssd"]),
+        ("triangulation", "triangulation.max_ray_gap_m:=1", ["max_ray_gap_m", "float", "1.0"]),
+        ("triangulation", "triangulation.max_ray_gap_m:=7.5", ["max_ray_gap_m", "0.0001 .. 1"]),
+        ("rectification", "max_stamp_offset_s:=.nan", ["max_stamp_offset_s"]),
+        ("capture", "rate:=-1.0", ["rate", "0.01 .. 100"]),
+        ("capture", "source:=''", ["source is empty", "give a bag"]),
+    ],
+)
+def test_a_bad_value_at_the_start_is_refused_with_the_reason(node: str, assignment: str, parts: list[str]) -> None:
+    with reserved_domain() as domain:
+        graph = Graph(domain, ["-p", assignment])
+        try:
+            with pytest.raises(ParameterError) as error:
+                CLASSES[node](graph.context)
+        finally:
+            graph.close()
+    for part in parts:
+        assert part in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def _plain(graph: Graph, name: str) -> Any:
+    return rclpy.create_node(name, context=graph.context, use_global_arguments=False)

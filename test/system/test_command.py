@@ -1,0 +1,235 @@
+"""The command `stereo-pick` as a process: what it prints and writes, its exit status, and what signals do to it."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from recordings import DEMO_RIG, Recording, demo_pairs, write_images
+from ros_tools import System, environment, reserved_domain, slowness, stereo_pick
+from rosbags.highlevel import AnyReader
+
+from stereo_pick.cli.main import main
+from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.refusal import REASONS
+
+RIG = load_rig(DEMO_RIG)
+COUNT = 3
+
+
+@pytest.fixture(scope="module")
+def images(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_images(tmp_path_factory.mktemp("command") / "images", demo_pairs(COUNT))
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return Recording.of(RIG, *demo_pairs(COUNT)).write(tmp_path_factory.mktemp("command") / "bag")
+
+
+@pytest.fixture(scope="module")
+def offline(bag: Path) -> list[dict[str, Any]]:
+    """The lines that `stereo-pick replay` prints."""
+    done = stereo_pick("replay", bag)
+    assert (done.status, done.stderr) == (0, "")
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def locate(images: Path, index: int, *more: str | Path) -> str:
+    files = [images / f"{side}{index:02}.png" for side in ("left", "right")]
+    done = stereo_pick("locate", *files, "--calibration", DEMO_RIG, *more)
+    assert (done.status, done.stderr) == (0, "")
+    return done.stdout
+
+
+def is_numbers(value: Any, *shape: int) -> bool:
+    return np.shape(value) == shape and np.isfinite(np.array(value, np.float64)).all()
+
+
+def test_locate_prints_json_of_the_promised_form(images: Path, tmp_path: Path) -> None:
+    picture = tmp_path / "seen.png"
+    content = json.loads(locate(images, 0, "--json", "--picture", picture))
+    assert "left" in content["frame"]
+    assert "raw" in content["frame"]
+    assert len(content["objects"]) == 4
+    for each in content["objects"]:
+        assert is_numbers(each["position_m"], 3)
+        assert is_numbers(each["covariance_m2"], 3, 3)
+        assert np.linalg.eigvalsh(each["covariance_m2"]).min() > 0
+        assert np.allclose(each["covariance_m2"], np.transpose(each["covariance_m2"]))
+        assert is_numbers(each["ray_gap_m"])
+        assert 0 <= each["ray_gap_m"] < 0.01
+        assert is_numbers(each["size_m"], 2)
+        left_px, right_px = RIG.project([each["position_m"]])
+        assert np.abs(left_px[0] - each["left_px"]).max() < 2, "left_px are raw pixels"
+        assert np.abs(right_px[0] - each["right_px"]).max() < 2, "right_px are raw pixels"
+    for each in content["refused"]:
+        assert each["reason"] in REASONS
+        assert each["meaning"] == REASONS[each["reason"]]
+        assert any(is_numbers(each[side], 2) for side in ("left_px", "right_px"))
+        assert all(each[side] is None or is_numbers(each[side], 2) for side in ("left_px", "right_px"))
+    drawn = cv2.imread(str(picture))
+    assert drawn is not None
+    assert drawn.shape == (480, 1280, 3)
+
+
+@pytest.mark.parametrize("method", ["feature", "ssd"])
+def test_locate_prints_the_same_as_a_table_in_millimetres(images: Path, method: str) -> None:
+    text = locate(images, 0, "--method", method)
+    objects = json.loads(locate(images, 0, "--method", method, "--json"))["objects"]
+    for number, each in enumerate(objects, start=1):
+        x, y, z = (f"{value * 1000:.2f}" for value in each["position_m"])
+        assert re.search(rf"^ *{number} +{re.escape(x)} +{re.escape(y)} +{re.escape(z)} ", text, re.M)
+
+
+def test_replay_gives_for_each_pair_what_locate_gives(images: Path, offline: list[dict[str, Any]]) -> None:
+    assert [line["stamp_ns"] for line in offline] == Recording.of(RIG, *[(None, None)] * COUNT).stamps_ns()
+    single = json.loads(locate(images, 1, "--json"))
+    assert set(offline[1]) == set(single)
+    for one, other in zip(offline[1]["objects"], single["objects"], strict=True):
+        assert set(one) == set(other)
+        assert np.allclose(one["position_m"], other["position_m"], rtol=0, atol=1e-6)
+    assert [each["reason"] for each in offline[1]["refused"]] == [each["reason"] for each in single["refused"]]
+
+
+def test_replay_writes_lines_or_a_bag_with_the_poses_in_it(
+    bag: Path, offline: list[dict[str, Any]], tmp_path: Path
+) -> None:
+    lines, poses = tmp_path / "poses.jsonl", tmp_path / "poses.mcap"
+    for output in (lines, poses):
+        done = stereo_pick("replay", bag, "--output", output)
+        assert (done.status, done.stdout, done.stderr) == (0, "", "")
+    assert [json.loads(line) for line in lines.read_text().splitlines()] == offline
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["poses.jsonl", "poses.mcap"]
+    assert recorded(poses, without="/object_poses") == recorded(bag)
+    for array, line in zip(pose_arrays(poses), offline, strict=True):
+        assert array.header.frame_id == "left_eye"
+        assert array.header.stamp.sec * 10**9 + array.header.stamp.nanosec == line["stamp_ns"]
+        positions = [[p.position.x, p.position.y, p.position.z] for p in array.poses]
+        assert positions == [each["position_m"] for each in line["objects"]]
+    again = stereo_pick("replay", bag, "--output", poses)
+    assert f"{poses} exists already" in again.error
+
+
+def recorded(bag: Path, without: str = "") -> list[tuple[str, int, bytes]]:
+    with AnyReader([bag]) as reader:
+        return [(c.topic, time_ns, bytes(raw)) for c, time_ns, raw in reader.messages() if c.topic != without]
+
+
+def pose_arrays(bag: Path) -> list[Any]:
+    with AnyReader([bag]) as reader:
+        return [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages() if c.topic == "/object_poses"]
+
+
+def test_replay_takes_a_folder_and_another_method(images: Path, bag: Path) -> None:
+    of_folder = stereo_pick("replay", images, "--calibration", DEMO_RIG, "--method", "ssd")
+    of_bag = stereo_pick("replay", bag, "--calibration", DEMO_RIG, "--method", "ssd")
+    assert of_folder.status == of_bag.status == 0
+    parsed = [[json.loads(line) for line in done.stdout.splitlines()] for done in (of_folder, of_bag)]
+    assert [line["objects"] for line in parsed[0]] == [line["objects"] for line in parsed[1]]
+    assert {line["method"] for line in parsed[0]} == {"ssd"}
+
+
+def shown(output: str) -> list[tuple[float, list[list[float]]]]:
+    """The stamp and the positions [mm] of each line that `run` prints."""
+    found = []
+    for line in output.splitlines():
+        match = re.match(r"(\d+\.\d+) left_eye +(.*)", line)
+        if match:
+            parts = re.split(r"\s*\d+: ", match[2])[1:]
+            found.append((float(match[1]), [[float(value) for value in part.split()] for part in parts]))
+    return found
+
+
+def in_millimetres(line: dict[str, Any]) -> tuple[float, list[list[float]]]:
+    positions = [[round(value * 1000, 1) for value in each["position_m"]] for each in line["objects"]]
+    return line["stamp_ns"] / 1e9, positions
+
+
+def check_shown(lines: Sequence[Any], offline: Sequence[dict[str, Any]]) -> None:
+    expected = dict(map(in_millimetres, offline))
+    for stamp, positions in lines:
+        assert np.allclose(positions, expected[stamp], rtol=0, atol=0.101)
+
+
+def test_run_shows_every_pair_and_ends_with_the_recording(
+    bag: Path, offline: list[dict[str, Any]], system: System
+) -> None:
+    child = system.start_command("run", "--source", str(bag), "--rate", "0.2")
+    assert child.wait() == 0
+    lines = shown(child.output)
+    check_shown(lines, offline)
+    assert [stamp for stamp, _ in lines] == [line["stamp_ns"] / 1e9 for line in offline]
+    assert child.output.splitlines()[-1] == f"{COUNT} pose arrays received for {COUNT} pairs"
+
+
+@pytest.mark.parametrize(
+    ("number", "more"), [(signal.SIGINT, ["--one-process"]), (signal.SIGTERM, []), (signal.SIGINT, [])]
+)
+def test_run_loops_until_a_signal_and_leaves_no_process(
+    bag: Path, offline: list[dict[str, Any]], system: System, number: signal.Signals, more: list[str]
+) -> None:
+    child = system.start_command("run", "--source", str(bag), "--rate", "0.5", "--loop", *more)
+    system.graph.wait(lambda: len(shown(child.output)) > COUNT, f"more than one round: {child.output}")
+    status, seconds = child.end(number)
+    assert status == 0, child.output
+    assert seconds < 2 * slowness()
+    check_shown(shown(child.output), offline)
+    assert re.search(r"^\d+ pose arrays received$", child.output.splitlines()[-1])
+    assert "rror" not in child.output
+    assert processes_in(system.domain) == []
+
+
+def processes_in(domain: int) -> list[str]:
+    """Commands of other processes of this ROS domain."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            inside = f"ROS_DOMAIN_ID={domain}\0".encode() in (entry / "environ").read_bytes()
+            command = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+        except OSError:
+            continue
+        if inside and "stereo_pick.ros.nodes" in command and int(entry.name) != os.getpid():
+            found.append(command)
+    return found
+
+
+def test_the_demo_ends_with_its_verdict(tmp_path: Path) -> None:
+    with reserved_domain() as domain:
+        done = stereo_pick("demo", "--output", tmp_path / "out", env=environment(domain))
+    assert (done.status, done.stderr) == (0, "")
+    *_, drawn, verdict = done.stdout.splitlines()
+    assert verdict.startswith("demo: OK: 24 of 24 pairs, 96 objects found, 0 missed, 0 ghosts; ")
+    picture = cv2.imread(drawn.removeprefix("annotated picture: "))
+    assert picture is not None
+    assert picture.shape == (480, 1280, 3)
+    rows = [line for line in done.stdout.splitlines() if re.match(r" +\d+\.\d{3} (mover|cylinder|box|ball) ", line)]
+    assert len(rows) == 96
+    assert all(float(row.split()[-1]) < 3 for row in rows)
+
+
+@pytest.mark.parametrize("command", ["", "run", "locate", "replay", "calibrate", "parameters", "demo"])
+def test_help_says_what_it_does_and_how(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([command, "--help"] if command else ["--help"])
+    assert ended.value.code == 0
+    text = capsys.readouterr().out
+    assert len(text) > 200
+    if command in ("run", "locate", "replay", "calibrate"):
+        assert f"stereo-pick {command} " in text.partition("example")[2]
+    options = re.findall(r"^  (--[a-z-]+)(.*(?:\n {10,}.*)*)", text, re.M)
+    assert [name for name, meaning in options if len(meaning.split()) < 3] == []
+
+
+def test_a_wrong_command_line_ends_with_status_2() -> None:
+    done = stereo_pick("locate", "only_one.png")
+    assert done.status == 2
+    assert "usage: stereo-pick locate" in done.stderr

@@ -1,0 +1,78 @@
+"""The launch file: read everywhere, really launched where ROS's launch is installed."""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import shutil
+import signal
+import sys
+from configparser import ConfigParser
+
+import pytest
+from recordings import DEMO_BAG
+from ros_tools import ROOT, System
+
+from stereo_pick.ros.topics import OBJECT_POSES
+
+LAUNCH = ROOT / "launch" / "stereo_pick.launch.py"
+TREE = ast.parse(LAUNCH.read_text())
+
+
+def _strings() -> set[str]:
+    return {node.value for node in ast.walk(TREE) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+
+
+def _arguments() -> dict[str, ast.expr]:
+    for node in ast.walk(TREE):
+        if isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == "ARGUMENTS" for t in node.targets):
+            assert isinstance(node.value, ast.Dict)
+            return {str(ast.literal_eval(key)): value for key, value in zip(node.value.keys, node.value.values) if key}
+    raise AssertionError("no ARGUMENTS")
+
+
+def test_it_generates_a_launch_description() -> None:
+    functions = {node.name: node for node in TREE.body if isinstance(node, ast.FunctionDef)}
+    assert functions["generate_launch_description"].args.args == []
+
+
+def test_every_argument_has_a_default_and_says_what_it_is_for() -> None:
+    arguments = _arguments()
+    assert {"source", "calibration", "method", "rate", "loop", "use_sim_time", "one_process"} <= set(arguments)
+    for name, value in arguments.items():
+        assert isinstance(value, ast.Tuple), name
+        assert len(ast.literal_eval(value.elts[1])) > 10, name
+
+
+def test_every_node_that_it_starts_is_installed() -> None:
+    config = ConfigParser(delimiters=("=",))
+    config.read(ROOT / "setup.cfg", encoding="utf-8")
+    installed = config["options.entry_points"]["console_scripts"]
+    for name in ("capture", "rectification", "correspondence", "triangulation", "stereo_pick"):
+        assert name in _strings()
+        assert f"{name}_node = stereo_pick.ros.nodes.{name}:main" in installed
+    assert {"stereo_pick.yaml", "config"} <= _strings()
+    assert (ROOT / "config" / "stereo_pick.yaml").is_file()
+
+
+def test_its_defaults_are_those_of_the_parameters() -> None:
+    from stereo_pick.cli.parameters import nodes
+
+    arguments = _arguments()
+    capture = nodes()["capture"]
+    for name in ("source", "calibration", "rate", "loop"):
+        default = ast.literal_eval(arguments[name].elts[0])  # type: ignore[attr-defined]
+        assert default == (str(capture[name].default).lower() if name == "loop" else str(capture[name].default))
+    assert ast.literal_eval(arguments["method"].elts[0]) == nodes()["correspondence"]["method"].default  # type: ignore[attr-defined]
+
+
+def test_it_really_launches_the_nodes(system: System) -> None:
+    missing = [name for name in ("launch", "launch_ros") if importlib.util.find_spec(name) is None]
+    if missing or shutil.which("ros2") is None:
+        pytest.skip(f"not installed: {', '.join(missing) or 'the command ros2'}; pip has no wheels of them")
+    child = system.start(
+        "ros2", "launch", str(LAUNCH), f"source:={DEMO_BAG}", "loop:=true", "rate:=0.2", PYTHON=sys.executable
+    )
+    poses = system.graph.listen(OBJECT_POSES)
+    system.graph.wait(lambda: any(message.poses for message in poses), "poses")
+    child.end(signal.SIGINT)

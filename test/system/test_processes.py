@@ -1,0 +1,115 @@
+"""Each node as a process: how it starts, what it tells of a dead camera and a bad image, how signals end it."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from recordings import DEMO_BAG, DEMO_RIG
+from ros_tools import DOWNSTREAM, NODES, System, slowness
+
+from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.ros.messages.cameras import camera_info_message
+from stereo_pick.ros.messages.diagnostics import ERROR
+from stereo_pick.ros.messages.images import image_message
+from stereo_pick.ros.topics import CAMERA_INFO, IMAGE_RAW, OBJECT_POSES, SIDES
+
+CONFIG = Path(__file__).parents[2] / "config" / "stereo_pick.yaml"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_every_node_with_status_0_within_2_s(number: signal.Signals, system: System) -> None:
+    values: dict[str, dict[str, Any]] = {name: {} for name in (*NODES, "stereo_pick")}
+    values["capture"] = values["stereo_pick"] = {"source": DEMO_BAG, "wait_for_subscribers_s": 3600.0, "loop": True}
+    namespaces = {name: "/all" if name == "stereo_pick" else "/apart" for name in values}
+    children = {name: system.start_node(name, values[name], ["-r", f"__ns:={namespaces[name]}"]) for name in values}
+
+    def up() -> bool:
+        found = {f"{namespace}/{name}" for name, namespace in system.graph.node.get_node_names_and_namespaces()}
+        return {f"{namespace}/{name}" for name in NODES for namespace in ("/all", "/apart")} <= found
+
+    system.graph.wait(up, "all nodes are up")
+    for name, child in children.items():
+        status, seconds = child.end(number)
+        assert status == 0, (name, child.output)
+        assert seconds < 2 * slowness(), name
+        assert "rror" not in child.output
+
+
+def test_a_dead_camera_and_a_cut_image_are_told_and_give_no_pose(system: System) -> None:
+    rig, grey = load_rig(DEMO_RIG), np.full((480, 640), 90, np.uint8)
+    children = [system.start_node(name) for name in DOWNSTREAM]
+    graph = system.graph
+    poses = graph.listen(OBJECT_POSES)
+    images = {side: graph.publisher(IMAGE_RAW[side]) for side in SIDES}
+    infos = {side: graph.publisher(CAMERA_INFO[side]) for side in SIDES}
+    stamp = iter(range(10**18, 2 * 10**18, 50_000_000))
+
+    def send(*sides: str) -> None:
+        stamp_ns = next(stamp)
+        for side in sides:
+            message = image_message(grey, stamp_ns, f"{side}_eye")
+            if len(sides) == 2 and side == "right":
+                message.data = message.data[:1000]
+            infos[side].publish(camera_info_message(getattr(rig, side), stamp_ns, f"{side}_eye"))
+            images[side].publish(message)
+        graph.spin(0.05)
+
+    def told(*parts: str) -> bool:
+        level, line = graph.statuses().get("rectification", (b"", ""))
+        return level == ERROR and all(part in line for part in parts)
+
+    graph.wait(lambda: (send("left"), told("no image on /right/image_raw", "right camera running"))[1], "dead camera")
+    assert "/left/image_raw" not in graph.statuses()["rectification"][1]
+    graph.wait(lambda: (send("left", "right"), told("right image", "1000 bytes", "307200"))[1], "cut image")
+    assert poses == []
+    assert [child.end()[0] for child in children] == [0, 0, 0]
+    errors = [line for line in children[-1].output.splitlines() if "rror" in line]
+    assert errors == []
+
+
+@pytest.mark.parametrize(
+    ("node", "arguments", "parts"),
+    [
+        ("correspondence", ["-p", "method:=guess"], ["method = 'guess'", "feature, ssd"]),
+        ("triangulation", ["-p", "triangulation.max_ray_gap_m:=5.0"], ["max_ray_gap_m", "0.0001 .. 1"]),
+        ("rectification", ["-p", "max_stamp_offset_s:=soon"], ["max_stamp_offset_s", "float"]),
+        ("capture", [], ["parameter source is empty", "give a bag"]),
+        ("capture", ["-p", "nonsense"], ["nonsense"]),
+        ("capture", ["--params-file", "/nowhere.yaml"], ["/nowhere.yaml"]),
+        ("capture", ["--unheard-of"], ["--unheard-of"]),
+    ],
+)
+def test_a_bad_parameter_at_the_start_is_one_line_and_status_1(
+    node: str, arguments: list[str], parts: list[str], system: System
+) -> None:
+    child = system.start_node(node, ros_args=arguments)
+    assert child.wait() == 1
+    (line,) = [line for line in child.output.splitlines() if "[rcl]:" not in line]  # rcl's own log
+    assert line.startswith("stereo-pick: error: ")
+    for part in parts:
+        assert part in line
+
+
+def test_the_parameter_file_loads_in_every_node(system: System, tmp_path: Path) -> None:
+    text = CONFIG.read_text()
+    file = tmp_path / "mine.yaml"
+    changes = (('method: "feature"', 'method: "ssd"'), ("full_scale_16: 65535", "full_scale_16: 4095"))
+    for before, after in (*changes, ("max_ray_gap_m: 0.01", "max_ray_gap_m: 0.02"), ("rate: 1.0", "rate: 2.5")):
+        assert before in text
+        text = text.replace(before, after)
+    file.write_text(text)
+    for name in NODES:
+        system.start_node(name, {"source": DEMO_BAG} if name == "capture" else {}, ["--params-file", str(file)])
+    expected = {
+        ("correspondence", "method"): "ssd",
+        ("rectification", "full_scale_16"): 4095,
+        ("triangulation", "triangulation.max_ray_gap_m"): 0.02,
+        ("capture", "rate"): 2.5,
+        ("correspondence", "segmentation.min_area_px"): 60,
+    }
+    for (node, name), value in expected.items():
+        assert system.graph.get_parameter(node, name) == value
