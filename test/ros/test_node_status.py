@@ -375,3 +375,14 @@ def test_capture_waits_for_listeners_and_then_tells_how_far_it_is(tmp_path: Path
         graph.wait(told(graph, "capture", OK, "finished", str(bag), "3 pairs"), "the end")
         graph.wait(lambda: node.finished, "done")
         graph.close()
+
+
+def test_an_option_changed_live_does_not_look_like_a_dead_camera(graph: Graph) -> None:
+    node = graph.host(RectificationNode(graph.context))
+    rectified, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
+    cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it works")
+    graph.spin(0.7)  # beyond the time after which a silent camera would be told
+    assert graph.set_parameter("rectification", "max_stamp_offset_s", 0.02).successful
+    assert node.status().level == WARN
+    before = len(rectified)
+    cameras.until(cameras.pair, lambda: len(rectified) > before, "it goes on")

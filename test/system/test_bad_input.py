@@ -50,6 +50,13 @@ def the_line(line: str, parts: list[str]) -> None:
         assert part in line, (part, line)
 
 
+def only_error(output: str) -> str:
+    """The one line of a child's output that tells of an error."""
+    lines = [line for line in output.splitlines() if "error" in line]
+    assert len(lines) == 1, output
+    return lines[0]
+
+
 def replay(*args: str | Path) -> tuple[str, list[Any]]:
     """The error of a `stereo-pick replay` that cannot go on, and the objects it has printed before."""
     done = stereo_pick("replay", *args)
@@ -60,10 +67,9 @@ def capture_refuses(system: System, source: Path, parts: list[str], **values: An
     """The capture node ends with status 1 and one line."""
     child = system.start_node("capture", {"source": source, "wait_for_subscribers_s": 0.0, "rate": 50.0, **values})
     assert child.wait() == 1
-    errors = [line for line in child.output.splitlines() if "error" in line.lower()]
-    assert len(errors) == 1, child.output
-    assert errors[0].startswith("stereo-pick: error: ")
-    the_line(errors[0], parts)
+    line = only_error(child.output)
+    assert line.startswith("stereo-pick: error: ")
+    the_line(line, parts)
 
 
 def without_images(good: Good, folder: Path) -> Path:
@@ -202,7 +208,7 @@ def test_run_shows_what_came_before_the_damage_and_ends_with_status_1(
     assert child.wait() == 1
     shown = [line for line in child.output.splitlines() if re.match(r"\d+\.\d+ left_eye ", line)]
     assert 1 <= len(shown) <= 2
-    (line,) = [line for line in child.output.splitlines() if "error" in line]
+    line = only_error(child.output)
     the_line(line, ["stereo-pick: error: ", str(source), "cannot be read beyond"])
 
 
@@ -237,7 +243,7 @@ def test_run_tells_what_the_nodes_complain_of_and_ends_with_status_1(
     bag = Recording.of(RIG, *half).write(tmp_path / "bag")
     child = system.start_command("run", "--source", str(bag), "--rate", "0.3")
     assert child.wait() == 1
-    (line,) = [line for line in child.output.splitlines() if "error" in line]
+    line = only_error(child.output)
     the_line(line, ["stereo-pick: error: ", "left image is 320 x 240", "640 x 480", "calibrate"])
     assert "0 pose arrays received for 3 pairs" in child.output
 
@@ -277,7 +283,7 @@ def test_exchanged_topics_are_refused_by_every_command(good: Good, system: Syste
         system, good.bag, ["P[0,3]", "swapped"], left_topic="/right/image_raw", right_topic="/left/image_raw"
     )
     assert run.wait() == 1
-    (told,) = [line for line in run.output.splitlines() if "error" in line]
+    told = only_error(run.output)
     the_line(told, ["exchanged", "exchange the two image topics"])
     assert "no object" in run.output
     assert " 1: " not in run.output

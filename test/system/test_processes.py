@@ -103,7 +103,9 @@ def test_the_parameter_file_loads_in_every_node(system: System, tmp_path: Path) 
         text = text.replace(before, after)
     file.write_text(text)
     for name in NODES:
-        system.start_node(name, {"source": DEMO_BAG} if name == "capture" else {}, ["--params-file", str(file)])
+        system.start_node(
+            name, {"source": DEMO_BAG, "loop": True} if name == "capture" else {}, ["--params-file", str(file)]
+        )
     expected = {
         ("correspondence", "method"): "ssd",
         ("rectification", "full_scale_16"): 4095,

@@ -51,6 +51,7 @@ class RectificationNode(StepNode):
         self._refused: StereoPickError | None = None
         self._held: list[Pair[Image]] = []
         self._rectified = 0
+        self._first_ns: int | None = None
         self._last_ns: dict[str, int] = {}
         self._last_stamp_ns: dict[str, int] = {}
         super().__init__("rectification", context, declared({"": RectificationOptions}))
@@ -74,7 +75,7 @@ class RectificationNode(StepNode):
         counts = self._pairer.counts
         values = {"left": str(counts.left), "right": str(counts.right), "pairs": str(counts.pairs)}
         if counts.pairs == 0:
-            return Status(WARN if counts.left == counts.right == 0 else ERROR, self._why_no_pair(), values)
+            return Status(ERROR if self._has_waited() else WARN, self._why_no_pair(), values)
         if self._refused is not None:
             return Status(ERROR, str(self._refused), values)
         missing = [self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if side not in self._infos]
@@ -89,6 +90,11 @@ class RectificationNode(StepNode):
         if self._rectified == 0:
             return Status(ERROR, self.last_error or f"none of {counts.pairs} pairs could be rectified", values)
         return Status(OK, f"{self._rectified} pairs rectified", values)
+
+    def _has_waited(self) -> bool:
+        """Whether images have been coming for so long that their partners cannot just be on their way."""
+        first_ns = self._first_ns
+        return first_ns is not None and self.steady_clock.now().nanoseconds - first_ns > _SILENT_AFTER_S * 1e9
 
     def _why_no_pair(self) -> str:
         silent = [self.resolve_topic_name(IMAGE_RAW[side].name) for side in SIDES if side not in self._last_ns]
@@ -126,6 +132,7 @@ class RectificationNode(StepNode):
 
     def _on_image(self, side: Side, message: Image) -> None:
         self._last_ns[side] = self.steady_clock.now().nanoseconds
+        self._first_ns = self._first_ns or self._last_ns[side]
         taken_ns = stamp_ns(message.header.stamp)
         if taken_ns < self._last_stamp_ns.get(side, taken_ns):  # a replay that starts over: nothing old pairs any more
             self._pairer.flush()
