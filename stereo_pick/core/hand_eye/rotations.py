@@ -12,8 +12,10 @@ from stereo_pick.core.transform import Transform
 
 
 def rotation_vector(rotation: Floats) -> Floats:
-    """Axis times angle (3,) [rad] of a rotation matrix."""
-    return np.asarray(cv2.Rodrigues(np.array(rotation))[0], np.float64).ravel()
+    """Axis times angle (3,) [rad] of a rotation matrix; `cv2.Rodrigues` gives 0 for all below 1e-5 rad."""
+    *axis, cosine = to_quaternion(rotation)
+    sine = float(np.linalg.norm(axis))
+    return np.asarray(axis) * (2 * np.arctan2(sine, cosine) / sine if sine > 0 else 2.0)
 
 
 def rotation_matrix(vector: Floats) -> Floats:
@@ -54,8 +56,10 @@ def from_quaternion(xyz_m: ArrayLike, quaternion_xyzw: ArrayLike) -> Transform:
 
 
 def to_quaternion(rotation: Floats) -> Floats:
-    """The quaternion x y z w (4,) of a rotation matrix, w not negative."""
-    vector = rotation_vector(rotation)
-    angle = float(np.linalg.norm(vector))
-    axis = vector / angle if angle > 0 else vector
-    return np.append(axis * np.sin(angle / 2), np.cos(angle / 2))
+    """The quaternion x y z w (4,) of a rotation matrix, w not negative: Bar-Itzhack's eigenvector (2000)."""
+    R = rotation
+    K = np.diag([2 * R[0, 0], 2 * R[1, 1], 2 * R[2, 2], 2 * np.trace(R)]) - np.trace(R) * np.eye(4)
+    K[:3, :3] += R + R.T - 2 * np.diag(np.diag(R))
+    K[3, :3] = K[:3, 3] = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+    q = np.linalg.eigh(K)[1][:, 3]
+    return np.asarray(-q if q[3] < 0 else q)

@@ -43,9 +43,23 @@ def solve_hand_eye(views: Sequence[RobotView], mount: Mount) -> HandEye:
     return result
 
 
+def closest_start(views: Sequence[RobotView], mount: Mount) -> tuple[Transform, Transform]:
+    """X and Y of `A X B = Y` as the best of the solvers has them, not refined; raises CalibrationError without any."""
+    A, B = _sides(views, mount)
+    X = _tried(A, B)[0][1]
+    return X, mean_stand_T_board(A, B, X)
+
+
 def _solve(views: Sequence[RobotView], mount: Mount) -> tuple[Refined, tuple[Attempt, ...]]:
     """The refined solution, and what each solver reached on its own, best first."""
     A, B = _sides(views, mount)
+    tried = _tried(A, B)
+    X = tried[0][1]
+    return refine(A, B, X, mean_stand_T_board(A, B, X)), tuple(attempt for attempt, _ in tried)
+
+
+def _tried(A: Poses, B: Poses) -> list[tuple[Attempt, Transform]]:
+    """Every solver's X, the least residual first: rotations count by what they move a board in mid-distance."""
     starts = [(name, X) for name, solver in SOLVERS.items() if (X := solver(A, B)) is not None]
     if not starts:
         raise CalibrationError(
@@ -53,9 +67,9 @@ def _solve(views: Sequence[RobotView], mount: Mount) -> tuple[Refined, tuple[Att
         )
     arm_m = float(np.median([np.linalg.norm(pose.translation) for pose in B]))
     tried = [(_attempt(name, A, B, X), X) for name, X in starts]
-    tried.sort(key=lambda each: np.hypot(each[0].translation_mm / 1000, np.radians(each[0].rotation_deg) * arm_m))
-    X = tried[0][1]
-    return refine(A, B, X, mean_stand_T_board(A, B, X)), tuple(attempt for attempt, _ in tried)
+    return sorted(
+        tried, key=lambda each: np.hypot(each[0].translation_mm / 1000, np.radians(each[0].rotation_deg) * arm_m)
+    )
 
 
 def _sides(views: Sequence[RobotView], mount: Mount) -> tuple[Poses, Poses]:

@@ -90,7 +90,9 @@ def test_quaternions_there_and_back(vector: list[float]) -> None:
     rotation = rotation_matrix(np.array(vector, float))
     quaternion = to_quaternion(rotation)
     assert np.linalg.norm(quaternion) == pytest.approx(1)
-    np.testing.assert_allclose(from_quaternion(np.zeros(3), quaternion).rotation, rotation, atol=1e-8)
+    np.testing.assert_allclose(from_quaternion(np.zeros(3), quaternion).rotation, rotation, atol=1e-14)
+    if np.linalg.norm(vector) < 3:
+        np.testing.assert_allclose(rotation_vector(rotation), vector, rtol=1e-12, atol=1e-15)
 
 
 def test_a_quaternion_is_x_y_z_w_and_has_length_one() -> None:
