@@ -30,8 +30,8 @@ bench: setup ## print the figures that the docs quote
 	$(CLEAN_ENV) $(BIN)/python benchmark/accuracy.py
 
 lock: setup ## bring requirements.lock up to date: one lock for Python 3.10 to 3.13
-	$(UV) pip compile setup.py --extra wheels --extra test --extra dev --universal --python-version 3.10 \
-		--generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate \
+	$(UV) pip compile setup.py --extra wheels --extra bouguet --extra test --extra dev --universal \
+		--python-version 3.10 --generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate \
 		--custom-compile-command "make lock" --upgrade --quiet --output-file requirements.lock
 
 clean: ## remove everything that make made
