@@ -94,7 +94,7 @@ def report(result: HandEye) -> str:
         ("residual", f"rms {result.rms_mm:.3f} mm{angles} over {len(result.residuals)}"),
         *(("", f"{each.name}: {each.translation_mm:.3f} mm{_angle(each.rotation_deg)}") for each in result.residuals),
         *(("solver", str(attempt)) for attempt in result.attempts),
-        *(("warning", text) for text in result.suspects),
+        *(("warning", text) for text in result.warnings),
     ]
     return "\n".join(f"{label:<10}{text}".rstrip() for label, text in lines)
 

@@ -58,7 +58,7 @@ def load_hand_eye(path: Path) -> FramedHandEye:
                 tuple(Residual(**each) for each in data["residuals"]),
                 str(data["method"]),
                 tuple(Attempt(**each) for each in data["attempts"]),
-                tuple(data["suspects"]),
+                tuple(data["warnings"]),
             )
             return FramedHandEye(hand_eye, str(data["parent_frame"]), str(data["child_frame"]))
         except KeyError as error:
@@ -82,7 +82,7 @@ def _to_mapping(framed: FramedHandEye) -> dict[str, Any]:
         "method": hand_eye.method,
         "residuals": [_without_none(vars(each)) for each in hand_eye.residuals],
         "attempts": [vars(each) for each in hand_eye.attempts],
-        "suspects": list(hand_eye.suspects),
+        "warnings": list(hand_eye.warnings),
     }
 
 

@@ -51,6 +51,15 @@ class UncertainTransform:
         return np.asarray(jacobian @ self.covariance @ jacobian.transpose(0, 2, 1))
 
 
+def small_sample_factor(count: int) -> float:
+    """By how much a covariance grows for a scatter that was itself estimated, from `count` pairs or points.
+
+    The truth is then spread as Student's t is: the variance of 3 N - 6 degrees of freedom, f / (f - 2).
+    """
+    freedom = 3 * count - 6
+    return freedom / (freedom - 2)
+
+
 @dataclass(frozen=True)
 class Residual:
     """By how much one pair or one touched point misses the result; a point has no rotation."""
@@ -76,7 +85,7 @@ class Attempt:
 class HandEye:
     """`parent_T_child` with its uncertainty, and what speaks for it.
 
-    attempts: the solvers that were compared, the best first; suspects: what to measure again, and why.
+    attempts: the solvers that were compared, the best first; warnings: what to measure again, or more of, and why.
     """
 
     parent: str
@@ -85,7 +94,7 @@ class HandEye:
     residuals: tuple[Residual, ...]
     method: str
     attempts: tuple[Attempt, ...] = ()
-    suspects: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:

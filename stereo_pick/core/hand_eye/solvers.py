@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
+from typing import Any
 
 import cv2
 import numpy as np
@@ -21,7 +23,8 @@ Solver = Callable[[Poses, Poses], Transform | None]
 def _hand_eye(method: int, A: Poses, B: Poses) -> Transform | None:
     """X by `A_i X B_i = A_j X B_j`; None where the method fails."""
     try:
-        return _transform(*cv2.calibrateHandEye(*_parts(A), *_parts(B), method=method))
+        with _quiet():
+            return _transform(*cv2.calibrateHandEye(*_parts(A), *_parts(B), method=method))
     except (cv2.error, ArrayError):
         return None
 
@@ -45,6 +48,18 @@ SOLVERS: dict[str, Solver] = {
     "Shah": partial(_robot_world, cv2.CALIB_ROBOT_WORLD_HAND_EYE_SHAH),
     "Li": partial(_robot_world, cv2.CALIB_ROBOT_WORLD_HAND_EYE_LI),
 }
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keeps OpenCV's own log off the terminal: a solver that fails is only one of several."""
+    log: Any = cv2 if hasattr(cv2, "setLogLevel") else cv2.utils.logging  # 4.6 and 4.14 have it in different places
+    before = log.getLogLevel()
+    log.setLogLevel(0)
+    try:
+        yield
+    finally:
+        log.setLogLevel(before)
 
 
 def _parts(poses: Poses) -> tuple[list[Floats], list[Floats]]:

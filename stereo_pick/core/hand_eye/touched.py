@@ -9,7 +9,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.errors import CalibrationError
-from stereo_pick.core.hand_eye.result import HandEye, Residual, UncertainTransform
+from stereo_pick.core.hand_eye.result import HandEye, Residual, UncertainTransform, small_sample_factor
 from stereo_pick.core.hand_eye.rotations import cross_matrix, nearest_rotation
 from stereo_pick.core.transform import Transform
 
@@ -58,7 +58,7 @@ def solve_touched(points: Sequence[TouchedPoint]) -> HandEye:
         found=UncertainTransform(fitted, _covariance(fitted, base, camera)),
         residuals=tuple(Residual(point.name, float(miss * 1000)) for point, miss in zip(points, misses)),
         method="touched-points, rigid fit",
-        suspects=outliers,
+        warnings=outliers,
     )
 
 
@@ -96,7 +96,8 @@ def _variance(fitted: Transform, base: Floats, camera: Floats) -> float:
 
 def _covariance(fitted: Transform, base: Floats, camera: Floats) -> Floats:
     jacobian = np.concatenate([np.c_[-cross_matrix(fitted.rotation @ point), np.eye(3)] for point in camera])
-    return np.asarray(np.linalg.inv(jacobian.T @ jacobian) * _variance(fitted, base, camera))
+    variance = _variance(fitted, base, camera) * small_sample_factor(len(base))
+    return np.asarray(np.linalg.inv(jacobian.T @ jacobian) * variance)
 
 
 def _outliers(points: Sequence[TouchedPoint], base: Floats, camera: Floats) -> tuple[str, ...]:

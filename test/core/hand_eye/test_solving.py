@@ -60,7 +60,8 @@ def test_exact_pairs_give_the_exact_place(mount: Mount, count: int) -> None:
     result = solve_hand_eye(simulate(mount, seed=count, count=count), mount)
     assert result.name == {Mount.EYE_TO_HAND: "base_T_camera", Mount.EYE_IN_HAND: "flange_T_camera"}[mount]
     np.testing.assert_allclose(error(result.found.transform, TRUTH[mount]), 0, atol=1e-9)
-    assert result.rms_mm < 1e-6 and result.suspects == ()
+    assert result.rms_mm < 1e-6
+    assert result.warnings == () if count > 3 else result.warnings[0].startswith("only 3 pairs")
 
 
 @pytest.mark.parametrize("mount", Mount)
@@ -75,6 +76,23 @@ def test_the_stated_uncertainty_covers_the_truth_as_often_as_it_claims(mount: Mo
     assert np.mean(np.array(ratios) < 1) == pytest.approx(0.68, abs=0.07)
     assert np.mean(np.array(ratios) < 2) == pytest.approx(0.954, abs=0.04)
     assert np.mean(distances) == pytest.approx(6, abs=4 * np.sqrt(12 / seeds))  # chi-square of 6 degrees
+
+
+def test_five_pairs_state_what_little_they_know() -> None:
+    ratios = []
+    for seed in range(60):
+        found = solve_hand_eye(simulate(Mount.EYE_TO_HAND, seed, 5, 2e-3, 5e-4), Mount.EYE_TO_HAND).found
+        ratios.append(np.abs(error(found.transform, TRUTH[Mount.EYE_TO_HAND])) / np.sqrt(np.diag(found.covariance)))
+    assert np.mean(np.array(ratios) < 2) == pytest.approx(0.95, abs=0.06)
+
+
+def test_a_solver_that_fails_keeps_quiet(capfd: pytest.CaptureFixture[str]) -> None:
+    views = [robot_view(Mount.EYE_TO_HAND, pose([3, turn, 0.1 * turn**2], [0, 0, 0.8])) for turn in (0, 0.1, 0.2)]
+    with pytest.raises(CalibrationError):
+        solve_hand_eye(views, Mount.EYE_TO_HAND)
+    for solver in SOLVERS.values():
+        solver([view.base_T_flange.inverse() for view in views], [view.camera_T_board for view in views])
+    assert capfd.readouterr().err == ""
 
 
 @pytest.mark.parametrize("mount", Mount)
@@ -115,8 +133,8 @@ def test_a_pair_of_two_moments_is_suspected_by_name() -> None:
     views = simulate(Mount.EYE_TO_HAND, 5, 15, 5e-4, 2e-4)
     late = views[6].camera_T_board
     views[6] = RobotView("view06", views[6].base_T_flange, Transform(late.rotation, late.translation + [0.02, 0, 0]))
-    suspects = solve_hand_eye(views, Mount.EYE_TO_HAND).suspects
-    assert len(suspects) == 1 and suspects[0].startswith("view06 misses by")
+    warnings = solve_hand_eye(views, Mount.EYE_TO_HAND).warnings
+    assert len(warnings) == 1 and warnings[0].startswith("view06 misses by")
 
 
 @pytest.mark.parametrize("mount", Mount)

@@ -31,7 +31,7 @@ def test_exact_points_give_the_exact_place(count: int) -> None:
     result = solve_touched(touched(CORNERS[:count]))
     np.testing.assert_allclose(error(result.found.transform), 0, atol=1e-12)
     assert result.name == "base_T_camera" and result.rms_deg is None and result.rms_mm < 1e-9
-    assert result.suspects == ()
+    assert result.warnings == ()
 
 
 def test_the_stated_uncertainty_covers_the_truth_as_often_as_it_claims() -> None:
@@ -50,13 +50,13 @@ def test_each_point_has_its_residual_and_an_outlier_its_name() -> None:
     result = solve_touched(points)
     assert [residual.name for residual in result.residuals] == [f"point{i}" for i in range(6)]
     assert max(result.residuals, key=lambda each: each.translation_mm).name == "point3"
-    assert len(result.suspects) == 1 and result.suspects[0].startswith("point3 is ")
-    miss_mm = float(result.suspects[0].split()[2])
+    assert len(result.warnings) == 1 and result.warnings[0].startswith("point3 is ")
+    miss_mm = float(result.warnings[0].split()[2])
     assert miss_mm == pytest.approx(8, abs=1)
 
 
 def test_honest_noise_is_no_outlier() -> None:
-    assert sum(bool(solve_touched(touched(CORNERS, 5e-4, seed)).suspects) for seed in range(100)) <= 1
+    assert sum(bool(solve_touched(touched(CORNERS, 5e-4, seed)).warnings) for seed in range(100)) <= 1
 
 
 def test_points_on_a_line_are_refused_with_the_measured_distance() -> None:
