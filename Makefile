@@ -34,8 +34,8 @@ docs: setup ## bring the generated files up to date: docs/parameters.md and conf
 	$(CLEAN_ENV) $(BIN)/stereo-pick parameters --format yaml > config/stereo_pick.yaml
 
 lock: setup ## bring requirements.lock up to date: one lock for Python 3.10 to 3.13
-	$(UV) pip compile setup.py --extra wheels --extra test --extra dev --universal --python-version 3.10 \
-		--generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate \
+	$(UV) pip compile setup.py --extra wheels --extra bouguet --extra test --extra dev --universal \
+		--python-version 3.10 --generate-hashes --no-emit-index-url --no-emit-find-links --no-annotate \
 		--custom-compile-command "make lock" --upgrade --quiet --output-file requirements.lock
 
 clean: ## remove everything that make made

@@ -34,6 +34,7 @@ CORE_LAYERS = (
     "rectified_view",
     "rig",
     "calibration",
+    "hand_eye",
     "images",
     "pairing",
     "frames",

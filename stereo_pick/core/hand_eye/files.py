@@ -1,0 +1,90 @@
+"""The hand-eye file: one transform between two named frames, with its covariance and what speaks for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from stereo_pick.core.arrays import floats
+from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.hand_eye.recording import about, read_mapping, read_pose
+from stereo_pick.core.hand_eye.result import Attempt, HandEye, Residual, UncertainTransform
+from stereo_pick.core.hand_eye.rotations import to_quaternion
+
+_NOTE = "covariance: 6 x 6, rotation vector [rad] before translation [m], both in the parent frame"
+
+
+@dataclass(frozen=True)
+class FramedHandEye:
+    """A hand-eye calibration and the names of its frames (REP 105), such as base_link and left_camera_optical_frame.
+
+    Raises CalibrationError where a name is empty or both are the same.
+    """
+
+    hand_eye: HandEye
+    parent_frame: str
+    child_frame: str
+
+    def __post_init__(self) -> None:
+        if not self.parent_frame or not self.child_frame or self.parent_frame == self.child_frame:
+            raise CalibrationError(f"frames {self.parent_frame!r} and {self.child_frame!r} must be two different names")
+
+
+def save_hand_eye(framed: FramedHandEye, path: Path) -> None:
+    """Write the YAML file; raises CalibrationError, naming it, where it cannot be written."""
+    content = yaml.safe_dump(_to_mapping(framed), sort_keys=False, default_flow_style=None, width=120)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f"# {_NOTE}\n{content}", encoding="utf-8")
+    except OSError as error:
+        raise CalibrationError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def load_hand_eye(path: Path) -> FramedHandEye:
+    """Read what `save_hand_eye` wrote; raises CalibrationError naming the file and the field."""
+    data = dict(read_mapping(path))
+
+    def build() -> FramedHandEye:
+        try:
+            parent, _, child = str(data["name"]).partition("_T_")
+            found = UncertainTransform(read_pose(data, "pose"), floats("covariance", data["covariance"], 6, 6))
+            hand_eye = HandEye(
+                parent,
+                child,
+                found,
+                tuple(Residual(**each) for each in data["residuals"]),
+                str(data["method"]),
+                tuple(Attempt(**each) for each in data["attempts"]),
+                tuple(data["warnings"]),
+            )
+            return FramedHandEye(hand_eye, str(data["parent_frame"]), str(data["child_frame"]))
+        except KeyError as error:
+            raise CalibrationError(f"field {error} is missing: is it a file of stereo-pick hand-eye?") from None
+
+    return about(str(path), build)
+
+
+def _to_mapping(framed: FramedHandEye) -> dict[str, Any]:
+    hand_eye = framed.hand_eye
+    transform = hand_eye.found.transform
+    return {
+        "name": hand_eye.name,
+        "parent_frame": framed.parent_frame,
+        "child_frame": framed.child_frame,
+        "pose": {
+            "xyz_m": transform.translation.tolist(),
+            "quaternion_xyzw": to_quaternion(transform.rotation).tolist(),
+        },
+        "covariance": hand_eye.found.covariance.tolist(),
+        "method": hand_eye.method,
+        "residuals": [_without_none(vars(each)) for each in hand_eye.residuals],
+        "attempts": [vars(each) for each in hand_eye.attempts],
+        "warnings": list(hand_eye.warnings),
+    }
+
+
+def _without_none(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
