@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
-from stereo_pick.core.calibration.mono import transform
+from stereo_pick.core.calibration.parameters import transform
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.rig import StereoRig

@@ -10,7 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.corners import DETECTORS
-from stereo_pick.core.calibration.mono import transform
+from stereo_pick.core.calibration.parameters import transform
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.hand_eye.pairs import Mount, RobotView, check
