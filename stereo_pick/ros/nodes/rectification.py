@@ -68,6 +68,8 @@ class RectificationNode(StepNode):
     def apply(self, configured: RectificationOptions) -> None:
         """Pair by the new options from now on."""
         self._options = configured
+        self._first_ns = None
+        self._last_ns.clear()
         self._pairer: StampPairer[Image] = StampPairer(round(configured.max_stamp_offset_s * 1e9))
 
     def status(self) -> Status:
