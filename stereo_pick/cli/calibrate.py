@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from stereo_pick.cli.image_pairs import FilePair, disagreement, find_files, pair_files
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.detection import BoardImages, detect
 from stereo_pick.core.calibration.files import save_rig
 from stereo_pick.core.calibration.solving import CalibrationResult, calibrate_best
@@ -20,12 +20,13 @@ _GOOD_RMS_PX = 0.5
 _GOOD_BASELINE_SIGMA = 0.005  # of the baseline
 
 _DESCRIPTION = """\
-Calibrate a stereo rig from pairs of images of a chessboard.
+Calibrate a stereo rig from pairs of images of a chessboard or a ChArUco board.
 
 Left and right images are paired by order (left2 before left10), and each pair must be taken at the
-same moment. 15 to 20 pairs are good: the whole board in both images, tilted to all sides by up to
-45 degrees, near and far, and in all parts of the image. Pairs that do not fit the others (taken at
-different moments, over-exposed, blurred) are left out and named."""
+same moment. 15 to 20 pairs are good: the board in both images (a chessboard whole, a ChArUco board
+at least in part), tilted to all sides by up to 45 degrees, near and far, and in all parts of the
+image. Pairs that do not fit the others (taken at different moments, over-exposed, blurred) are left
+out and named."""
 
 _EPILOG = """\
 example:
@@ -40,7 +41,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     """Add the `calibrate` subcommand."""
     parser = subparsers.add_parser(
         "calibrate",
-        help="calibrate a stereo rig from images of a chessboard",
+        help="calibrate a stereo rig from images of a board",
         description=_DESCRIPTION,
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -48,7 +49,11 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser.add_argument("--left", required=True, metavar="GLOB", help="raw images of the left camera, a quoted pattern")
     parser.add_argument("--right", required=True, metavar="GLOB", help="raw images of the right camera")
     parser.add_argument(
-        "--board", required=True, metavar="COLSxROWS", help="INNER corners, where four squares meet: 9x6"
+        "--board",
+        required=True,
+        metavar="BOARD",
+        help="chessboard:9x6 (or 9x6): INNER corners, where four squares meet; charuco:11x8:0.75:5X5_100: SQUARES, "
+        "the markers' side in squares (or 22mm), their dictionary",
     )
     parser.add_argument(
         "--square", required=True, type=float, metavar="METRES", help="side of one square in metres: 0.030 for 30 mm"
@@ -64,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
 
     Raises StereoPickError, and writes nothing, where the images give no rig to be trusted.
     """
-    board = Chessboard.parse(args.board, args.square)
+    board = parse_board(args.board, args.square)
     if args.output.exists() and not args.output.is_dir():
         raise CalibrationError(f"--output {args.output} is a file: name a folder")
     pairs = pair_files(find_files(args.left, "--left"), find_files(args.right, "--right"))
@@ -78,12 +83,12 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def report(result: CalibrationResult, board: Chessboard, warnings: Sequence[str], written: Sequence[Path]) -> str:
+def report(result: CalibrationResult, board: Board, warnings: Sequence[str], written: Sequence[Path]) -> str:
     """The result for people, one fact a line."""
     baseline_mm, sigma_mm = result.rig.baseline_m * 1000, result.baseline_sigma_m * 1000
     total = len(result.used) + len(result.rejected)
     lines = [
-        ("board", f"{board} inner corners, squares of {board.square_m * 1000:g} mm"),
+        ("board", f"{board.title}, squares of {board.square_m * 1000:g} mm"),
         ("detector", result.detector),
         ("views", f"{len(result.used)} of {total} used"),
         *(("rejected", f"{view.name}: {view.reason}") for view in result.rejected),

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.mono import MonoCalibration, transform
 from stereo_pick.core.calibration.views import BoardView
 from stereo_pick.core.camera import Camera
@@ -44,7 +44,7 @@ class StereoSolution:
 
     @property
     def rms_px(self) -> float:
-        """Rms distance [px] over all corners of both cameras."""
+        """Rms distance [px] in both cameras, over views of one weight each."""
         return float(np.sqrt(np.mean(self.errors_px**2)))
 
 
@@ -59,7 +59,7 @@ class _Linearised:
 
 
 def refine(
-    board: Chessboard,
+    board: Board,
     views: Sequence[BoardView],
     left: MonoCalibration,
     right: MonoCalibration,
@@ -69,7 +69,7 @@ def refine(
 
     Raises CalibrationError where the views leave a parameter open.
     """
-    points = board.object_points()
+    points = [view.points(board) for view in views]
     start = [_intrinsics(left.camera), _intrinsics(right.camera), _vector(right_T_left), *map(_vector, left.poses)]
     undetermined = CalibrationError(
         f"the {len(views)} views do not determine the cameras: tilt the board to all sides by up to 45 degrees"
@@ -80,7 +80,7 @@ def refine(
     except np.linalg.LinAlgError:
         raise undetermined from None
     rvec, shift = parameters[_EXTRINSICS][:3], parameters[_SHIFT]
-    freedom = 4 * len(points) * len(views) - len(parameters)
+    freedom = 4 * sum(map(len, points)) - len(parameters)
     along = shift / max(float(np.linalg.norm(shift)), 1e-12)
     variance = end.cost / freedom * float(along @ covariance[_SHIFT, _SHIFT] @ along)
     if not variance >= 0:
@@ -94,7 +94,7 @@ def refine(
     )
 
 
-def _minimise(parameters: Floats, points: Floats, views: Sequence[BoardView]) -> tuple[Floats, _Linearised]:
+def _minimise(parameters: Floats, points: Sequence[Floats], views: Sequence[BoardView]) -> tuple[Floats, _Linearised]:
     """Levenberg and Marquardt: damped Gauss-Newton steps until the sum of squares stays."""
     here, damping = _linearise(parameters, points, views), 1e-3
     for _ in range(_MAX_STEPS):
@@ -113,17 +113,19 @@ def _minimise(parameters: Floats, points: Floats, views: Sequence[BoardView]) ->
     return parameters, here
 
 
-def _linearise(parameters: Floats, points: Floats, views: Sequence[BoardView]) -> _Linearised:
+def _linearise(parameters: Floats, points: Sequence[Floats], views: Sequence[BoardView]) -> _Linearised:
     """Sum the views' normal equations; a view touches the shared parameters and its own pose only."""
     size = len(parameters)
     normal, gradient, errors = np.zeros((size, size)), np.zeros(size), np.zeros((len(views), 2))
+    cost = 0.0
     for i, view in enumerate(views):
         own = np.r_[0:_FIRST_POSE, _FIRST_POSE + 6 * i : _FIRST_POSE + 6 * (i + 1)]
-        residuals, jacobian = _view_residuals(parameters[own], points, view)
+        residuals, jacobian = _view_residuals(parameters[own], points[i], view)
         normal[np.ix_(own, own)] += jacobian.T @ jacobian
         gradient[own] += jacobian.T @ residuals
-        errors[i] = np.sqrt((residuals.reshape(2, -1) ** 2).sum(axis=1) / len(points))
-    return _Linearised(float((errors**2).sum()) * len(points), errors, gradient, normal)
+        errors[i] = np.sqrt((residuals.reshape(2, -1) ** 2).sum(axis=1) / len(points[i]))
+        cost += float(residuals @ residuals)
+    return _Linearised(cost, errors, gradient, normal)
 
 
 def _view_residuals(own: Floats, points: Floats, view: BoardView) -> tuple[Floats, Floats]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.consensus import Consensus, agree
 from stereo_pick.core.calibration.mono import MonoCalibration, calibrate_cameras
 from stereo_pick.core.calibration.refinement import StereoSolution, refine
@@ -74,7 +74,7 @@ class CalibrationResult:
 def calibrate(
     views: Sequence[BoardView],
     size_px: tuple[int, int],
-    board: Chessboard,
+    board: Board,
     detector: str = "given corners",
     rejected: Sequence[RejectedView] = (),
 ) -> CalibrationResult:
@@ -105,7 +105,7 @@ def calibrate(
     )
 
 
-def calibrate_best(recordings: Sequence[Detections], board: Chessboard) -> CalibrationResult:
+def calibrate_best(recordings: Sequence[Detections], board: Board) -> CalibrationResult:
     """Calibrate from what each detector found in one recording, and keep the surest result.
 
     That is the one whose baseline has the least standard deviation, which weighs the rms per corner
@@ -139,7 +139,7 @@ def _without_gross(consensus: Consensus, rejected: Sequence[RejectedView]) -> tu
 
 
 def _refine_without_outliers(
-    board: Chessboard,
+    board: Board,
     consensus: Consensus,
     used: list[int],
     rejected: Sequence[RejectedView],
