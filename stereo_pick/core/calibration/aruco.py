@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Image, Ints
+from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.calibration.charuco import CharucoBoard
 from stereo_pick.core.calibration.corners import SUB_PIXEL
 from stereo_pick.core.errors import CalibrationError
@@ -84,3 +84,13 @@ def _dictionary(board: CharucoBoard) -> Any:
             "install opencv-python-headless 4.7 or later, or use a chessboard"
         )
     return _ARUCO.getPredefinedDictionary(getattr(_ARUCO, f"DICT_{board.dictionary}"))
+
+
+def marker_is_black(board: CharucoBoard, marker_id: int) -> Bools:
+    """Which cells (n, n) of a marker are black, its border of one cell included.
+
+    Raises CalibrationError without an aruco module.
+    """
+    dictionary = _dictionary(board)
+    draw = _ARUCO.generateImageMarker if _NEW else _ARUCO.drawMarker
+    return np.asarray(draw(dictionary, marker_id, dictionary.markerSize + 2) == 0)
