@@ -15,6 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 from stereo_pick.cli.main import main
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.charuco import CharucoBoard
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.transform import Transform
 
@@ -83,6 +84,26 @@ def test_takes_each_view_once_and_leaves_out_the_blurred(
     rig = load_rig(tmp_path / "rig")
     assert rig.baseline_m == pytest.approx(0.06, abs=0.0005)
     assert rig.left.K[0, 0] == pytest.approx(420, abs=5)
+
+
+@pytest.mark.skipif(not hasattr(cv2, "aruco"), reason="this OpenCV has no aruco module")
+def test_a_charuco_board_may_leave_the_image(
+    render_charuco, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    board = CharucoBoard(8, 6, 0.035, 0.75, "4X4_50")
+    rng = np.random.default_rng(3)
+    pairs = []
+    for _ in range(16):
+        R = cv2.Rodrigues(rng.uniform(-0.5, 0.5, 3))[0]
+        centre = np.array([0.03, 0, 0.4]) + rng.uniform(-1, 1, 3) * [0.1, 0.08, 0.05]
+        pose = Transform(R, centre - R @ board.object_points().mean(axis=0))
+        pairs.append(tuple(render_charuco(board, K, camera, (320, 240)) for camera in (pose, right_T_left @ pose)))
+    bag = str(write_bag(tmp_path / "bag", pairs))
+    output = tmp_path / "rig"
+    options = ["--board", "charuco:8x6:0.75:4X4_50", "--square", "0.035", "--output", str(output)]
+    assert main(["calibrate", "--bag", bag, *options]) == 0
+    assert "ChArUco board of 8x6 squares (markers of 0.75 squares from 4X4_50), " in capsys.readouterr().out
+    assert load_rig(output).baseline_m == pytest.approx(0.06, abs=0.0005)
 
 
 def test_topics_may_be_named(rendered: Pairs, tmp_path: Path) -> None:

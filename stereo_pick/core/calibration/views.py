@@ -74,7 +74,7 @@ def check_views(views: Sequence[BoardView], board: Board) -> None:
     for view in views:
         if view.seen is None:
             _check_all(view, board)
-        elif board.needs_all_corners or view.seen[-1:].sum() >= board.corner_count:
+        elif board.needs_all_corners or (view.seen >= board.corner_count).any():
             raise CalibrationError(f"{view.name}: corners {view.seen.tolist()} are no part of a {board} board")
 
 

@@ -212,6 +212,8 @@ def test_corners_beyond_the_board_are_refused() -> None:
     views = exact_views(4, noise_px=0, share=0.5)
     with pytest.raises(CalibrationError, match="no part of a charuco:4x3"):
         calibrate(views, SIZE_PX, CharucoBoard(4, 3, 0.025, 0.75, "5X5_100"))
+    with pytest.raises(CalibrationError, match="no part of a 7x5"):
+        calibrate(views, SIZE_PX, Chessboard(7, 5, 0.025))
 
 
 def seen_corners(seen: Sequence[int]) -> SeenCorners:
