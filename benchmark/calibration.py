@@ -17,7 +17,7 @@ from formatting import decimals, markdown_table
 
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.detection import BoardImages, detect
-from stereo_pick.core.calibration.held_out import FOLDS, Cameras, HeldOut, epipolar_px, length_error_m
+from stereo_pick.core.calibration.held_out import FOLDS, Cameras, HeldOut, epipolar_px, length_errors_m
 from stereo_pick.core.calibration.parameters import transform
 from stereo_pick.core.calibration.solving import calibrate_best
 from stereo_pick.core.calibration.views import BoardView
@@ -86,12 +86,13 @@ def read(path: Path) -> np.ndarray:
 
 def hold_out(board: Chessboard, views: Sequence[BoardView], calibrate: Calibrate) -> HeldOut:
     """Errors of the views in each fold after calibrating from the others."""
-    epipolar, length = np.zeros((len(views), board.corner_count)), np.zeros(len(views))
+    epipolar, length = list[np.ndarray](), list[np.ndarray]()
     for fold in range(FOLDS):
         cameras = calibrate([view for i, view in enumerate(views) if i % FOLDS != fold])
         for i in range(fold, len(views), FOLDS):
-            epipolar[i], length[i] = epipolar_px(cameras, views[i]), length_error_m(cameras, views[i], board)
-    return HeldOut(epipolar, length)
+            epipolar.append(epipolar_px(cameras, views[i]))
+            length.append(length_errors_m(cameras, views[i], board))
+    return HeldOut(np.concatenate(epipolar), np.concatenate(length))
 
 
 def fixed_intrinsics(board: Chessboard, views: Sequence[BoardView], size_px: tuple[int, int]) -> Cameras:

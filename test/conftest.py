@@ -14,6 +14,7 @@ import pytest
 
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.charuco import CharucoBoard
 from stereo_pick.core.calibration.detection import BoardImages, detect
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.solving import calibrate_best
@@ -39,17 +40,65 @@ def render_board() -> Callable[[Chessboard, Floats, Transform, tuple[int, int]],
     """Draws a chessboard as a camera without distortion sees it: board, K, camera_T_board, (width, height) [px]."""
 
     def render(board: Chessboard, K: Floats, camera_T_board: Transform, size_px: tuple[int, int]) -> Image:
-        fine = 4
-        u, v = (np.arange(n * fine) / fine - 0.5 + 0.5 / fine for n in size_px)
-        pixels = np.stack([*np.meshgrid(u, v), np.ones((len(v), len(u)))], axis=-1)
-        homography = K @ np.c_[camera_T_board.rotation[:, :2], camera_T_board.translation]
-        on_board = pixels @ np.linalg.inv(homography).T
-        x, y = np.moveaxis(on_board[..., :2] / on_board[..., 2:] / board.square_m, -1, 0)
+        x, y = on_board(K, camera_T_board, size_px) / board.square_m
         inside = (x > -1) & (x < board.columns) & (y > -1) & (y < board.rows)
         white = ((np.floor(x) + np.floor(y)) % 2 == 1) | ~inside
-        return cv2.resize(np.where(white, 210, 40).astype(np.uint8), size_px, interpolation=cv2.INTER_AREA)
+        return shrunk(np.where(white, 210, 40), size_px)
 
     return render
+
+
+@pytest.fixture(scope="session")
+def render_charuco() -> Callable[..., Image]:
+    """Draws a ChArUco board, whose squares come from OpenCV itself, like `render_board`; `legacy`: OpenCV 4.5's."""
+
+    def render(
+        board: CharucoBoard, K: Floats, camera_T_board: Transform, size_px: tuple[int, int], legacy: bool = False
+    ) -> Image:
+        texture = charuco_texture(board, legacy)
+        fine_to_pixel = np.array([[1 / FINE, 0, 0.5 / FINE - 0.5], [0, 1 / FINE, 0.5 / FINE - 0.5], [0, 0, 1]])
+        square, half = TEXELS / board.square_m, TEXELS - 0.5  # OpenCV's texel 0 reaches from -0.5 to 0.5
+        board_to_texel = np.array([[square, 0, half], [0, square, half], [0, 0, 1]])
+        homography = np.linalg.inv(K @ np.c_[camera_T_board.rotation[:, :2], camera_T_board.translation])
+        fine = cv2.warpPerspective(
+            (40 + texture * (170 / 255)).astype(np.uint8),
+            board_to_texel @ homography @ fine_to_pixel,
+            [n * FINE for n in size_px],
+            flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP,
+            borderValue=210,
+        )
+        return shrunk(fine, size_px)
+
+    return render
+
+
+FINE, TEXELS = 4, 56  # samples in a pixel, texels in a square
+
+
+def on_board(K: Floats, camera_T_board: Transform, size_px: tuple[int, int]) -> Floats:
+    """Board coordinates (2, H, W) [m] of each of the FINE x FINE samples of each pixel."""
+    u, v = (np.arange(n * FINE) / FINE - 0.5 + 0.5 / FINE for n in size_px)
+    pixels = np.stack([*np.meshgrid(u, v), np.ones((len(v), len(u)))], axis=-1)
+    homography = K @ np.c_[camera_T_board.rotation[:, :2], camera_T_board.translation]
+    points = pixels @ np.linalg.inv(homography).T
+    return np.moveaxis(points[..., :2] / points[..., 2:], -1, 0)
+
+
+def shrunk(fine: Floats, size_px: tuple[int, int]) -> Image:
+    return cv2.resize(fine.astype(np.uint8), size_px, interpolation=cv2.INTER_AREA)
+
+
+def charuco_texture(board: CharucoBoard, legacy: bool) -> Image:
+    """The board as OpenCV draws it, TEXELS to a square."""
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_{board.dictionary}"))
+    size = (board.columns * TEXELS, board.rows * TEXELS)
+    if not hasattr(cv2.aruco, "CharucoDetector"):  # up to OpenCV 4.6
+        pattern = cv2.aruco.CharucoBoard_create(board.columns, board.rows, 1.0, board.marker_ratio, dictionary)
+        return pattern.draw(size)
+    pattern = cv2.aruco.CharucoBoard((board.columns, board.rows), 1.0, board.marker_ratio, dictionary)
+    if legacy:
+        pattern.setLegacyPattern(True)
+    return pattern.generateImage(size)
 
 
 @pytest.fixture(scope="session")

@@ -4,33 +4,37 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from stereo_pick.cli.calibration_report import report
 from stereo_pick.cli.image_pairs import FilePair, disagreement, find_files, pair_files
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.cli.recorded_pairs import choose_pairs
+from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.detection import BoardImages, detect
 from stereo_pick.core.calibration.files import save_rig
 from stereo_pick.core.calibration.record import save_record
 from stereo_pick.core.calibration.solving import calibrate_best
 from stereo_pick.core.calibration.verdict import Word, check_baseline, judge
-from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.errors import CalibrationError, ParameterError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.images import read_image
 
 _DESCRIPTION = """\
-Calibrate a stereo rig from pairs of images of a chessboard.
+Calibrate a stereo rig from pairs of images of a chessboard or a ChArUco board: image files, or a bag
+in which the board is moved about (hold it still now and then; sharp and different views are chosen).
 
-Left and right images are paired by order (left2 before left10), and each pair must be taken at the
-same moment. 15 to 20 pairs are good: the whole board in both images, tilted to all sides by up to
-45 degrees, near and far, and in all parts of the image. Pairs that do not fit the others (taken at
-different moments, over-exposed, blurred) are left out and named."""
+Left and right files are paired by order (left2 before left10), and each pair must be taken at the
+same moment. 15 to 20 pairs are good: the board in both images (a chessboard whole, a ChArUco board
+at least in part), tilted to all sides by up to 45 degrees, near and far, and in all parts of the
+image. Pairs that do not fit the others (taken at different moments, over-exposed, blurred) are left
+out and named."""
 
 _EPILOG = """\
-example:
+examples:
   stereo-pick calibrate --left 'calib/left*.png' --right 'calib/right*.png' \\
       --board 9x6 --square 0.030 --output my_rig
+  stereo-pick calibrate --bag calib.mcap --board charuco:11x8:0.75:5X5_100 --square 0.020 --output my_rig
 
   A board of 10 x 7 squares has 9x6 inner corners. Quote the patterns, or the shell expands them.
   DIR then holds left.yaml and right.yaml (camera_info), stereo.yaml (OpenCV, in metres), and
@@ -41,15 +45,18 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     """Add the `calibrate` subcommand."""
     parser = subparsers.add_parser(
         "calibrate",
-        help="calibrate a stereo rig from images of a chessboard",
+        help="calibrate a stereo rig from images of a board",
         description=_DESCRIPTION,
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--left", required=True, metavar="GLOB", help="raw images of the left camera, a quoted pattern")
-    parser.add_argument("--right", required=True, metavar="GLOB", help="raw images of the right camera")
+    _add_inputs(parser)
     parser.add_argument(
-        "--board", required=True, metavar="COLSxROWS", help="INNER corners, where four squares meet: 9x6"
+        "--board",
+        required=True,
+        metavar="BOARD",
+        help="chessboard:9x6 (or 9x6): INNER corners, where four squares meet; charuco:11x8:0.75:5X5_100: SQUARES, "
+        "the markers' side in squares (or 22mm), their dictionary",
     )
     parser.add_argument(
         "--square", required=True, type=float, metavar="METRES", help="side of one square in metres: 0.030 for 30 mm"
@@ -66,16 +73,25 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser.set_defaults(run=run)
 
 
+def _add_inputs(parser: argparse.ArgumentParser) -> None:
+    inputs = parser.add_mutually_exclusive_group(required=True)
+    inputs.add_argument("--left", metavar="GLOB", help="raw images of the left camera, a quoted pattern")
+    inputs.add_argument("--bag", type=Path, metavar="PATH", help="instead: a bag with the raw images of both cameras")
+    parser.add_argument("--right", metavar="GLOB", help="raw images of the right camera, with --left")
+    for side in ("left", "right"):
+        parser.add_argument(f"--{side}-topic", default="", metavar="TOPIC", help="with --bag, where names do not tell")
+
+
 def run(args: argparse.Namespace) -> int:
     """Calibrate, write the files and print the report.
 
     Raises StereoPickError, and writes nothing, where the images give no rig to be trusted.
     """
-    board = Chessboard.parse(args.board, args.square)
+    board = parse_board(args.board, args.square)
     if args.output.exists() and not args.output.is_dir():
         raise CalibrationError(f"--output {args.output} is a file: name a folder")
-    pairs = pair_files(find_files(args.left, "--left"), find_files(args.right, "--right"))
-    result = calibrate_best(detect(_read(pairs), board), board)
+    images, input_notes = _images(args, board)
+    result = calibrate_best(detect(images, board), board)
     if args.baseline is not None:
         check_baseline(result, args.baseline)
     verdict = judge(result)
@@ -85,9 +101,23 @@ def run(args: argparse.Namespace) -> int:
         written = [*save_rig(result.rig, args.output), save_record(result, args.output)]
     except OSError as error:
         raise CalibrationError(f"--output {args.output} cannot be written: {error.strerror}") from None
-    notes = [disagreement(pairs), *result.warnings]
-    print(report(result, verdict, [note for note in notes if note], written))
+    print(report(result, verdict, [*input_notes, *result.warnings], written))
     return 0
+
+
+def _images(args: argparse.Namespace, board: Board) -> tuple[Iterable[BoardImages], list[str]]:
+    """The pairs to calibrate from, and what to warn of; raises StereoPickError where there are none."""
+    if args.bag is None:
+        if args.right is None or args.left_topic or args.right_topic:
+            raise ParameterError("--left needs --right, and topics need --bag: give --left and --right, or --bag")
+        pairs = pair_files(find_files(args.left, "--left"), find_files(args.right, "--right"))
+        note = disagreement(pairs)
+        return _read(pairs), [note] if note else []
+    if args.right is not None:
+        raise ParameterError("--right goes with --left, not with --bag: name topics by --left-topic and --right-topic")
+    recorded = choose_pairs(args.bag, board, args.left_topic, args.right_topic)
+    print(f"{'bag':<10}{recorded.summary}")
+    return recorded, []
 
 
 def _read(pairs: Sequence[FilePair]) -> Iterator[BoardImages]:

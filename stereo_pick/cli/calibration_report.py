@@ -27,7 +27,7 @@ def report(result: CalibrationResult, verdict: Verdict, warnings: Sequence[str],
 
 def _views(result: CalibrationResult) -> Iterator[Line]:
     board, covered = result.board, result.coverage
-    yield "board", f"{board} inner corners, squares of {board.square_m * 1000:g} mm"
+    yield "board", f"{board.title}, squares of {board.square_m * 1000:g} mm"
     yield "detector", result.detector
     yield "views", f"{len(result.used)} of {len(result.used) + len(result.rejected)} used"
     yield from (("rejected", f"{view.name}: {view.reason}") for view in result.rejected)

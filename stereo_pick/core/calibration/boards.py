@@ -15,6 +15,23 @@ from stereo_pick.core.transform import Transform
 _TEXT = re.compile(r"(?:chessboard\s*:)?\s*(\d+)\s*[x×*]\s*(\d+)\s*", re.IGNORECASE)
 
 
+def check_square(square_m: float) -> None:
+    """Raise ParameterError where no board has squares of this side [m]."""
+    if not (math.isfinite(square_m) and square_m > 0):
+        raise ParameterError(f"square = {square_m:g} m must be positive: measure the side of one square")
+    if square_m > 1:
+        raise ParameterError(
+            f"square = {square_m:g} m is larger than 1 m, so it is probably in millimetres: "
+            f"give metres, {square_m / 1000:g}"
+        )
+
+
+def grid_points(columns: int, rows: int, spacing_m: float) -> Floats:
+    """Points (columns * rows, 3) [m] of a grid, row by row, the first in the origin."""
+    y, x = np.mgrid[:rows, :columns]
+    return np.asarray(np.c_[x.ravel(), y.ravel(), np.zeros(columns * rows)] * spacing_m, np.float64)
+
+
 @dataclass(frozen=True)
 class Chessboard:
     """A chessboard of `columns` by `rows` INNER corners (where four squares meet) and `square_m` [m] a square.
@@ -33,13 +50,7 @@ class Chessboard:
                 f"a board of {self.columns}x{self.rows} inner corners is too small: at least 3x3 are needed "
                 "(a corner is where four squares meet; the board's rim has none)"
             )
-        if not (math.isfinite(self.square_m) and self.square_m > 0):
-            raise ParameterError(f"square = {self.square_m:g} m must be positive: measure the side of one square")
-        if self.square_m > 1:
-            raise ParameterError(
-                f"square = {self.square_m:g} m is larger than 1 m, so it is probably in millimetres: "
-                f"give metres, {self.square_m / 1000:g}"
-            )
+        check_square(self.square_m)
 
     def __str__(self) -> str:
         return f"{self.columns}x{self.rows}"
@@ -58,14 +69,33 @@ class Chessboard:
         return Chessboard(int(match[1]), int(match[2]), square_m)
 
     @property
+    def title(self) -> str:
+        """What messages call this board."""
+        return f"chessboard of {self} inner corners"
+
+    @property
+    def advice(self) -> str:
+        """What to do where it is not found."""
+        return "count the corners where four squares meet, and show the whole board, lit evenly"
+
+    @property
+    def needs_all_corners(self) -> bool:
+        """True: nothing tells the corners of a part of a chessboard apart."""
+        return True
+
+    @property
+    def grid(self) -> tuple[int, int]:
+        """How many inner corners are in a row, and in a column."""
+        return self.columns, self.rows
+
+    @property
     def corner_count(self) -> int:
         """Number of inner corners."""
         return self.columns * self.rows
 
     def object_points(self) -> Floats:
         """The corners (N, 3) [m] in the board frame, row by row."""
-        y, x = np.mgrid[: self.rows, : self.columns]
-        return np.asarray(np.c_[x.ravel(), y.ravel(), np.zeros(self.corner_count)] * self.square_m, np.float64)
+        return grid_points(self.columns, self.rows, self.square_m)
 
     def orders(self) -> tuple[Ints, ...]:
         """The orders (N,) in which a detector may list the corners of one view; the first is 0, 1, 2, ...

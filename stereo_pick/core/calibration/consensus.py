@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.arrays import Floats, Ints
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.mono import MonoCalibration
 from stereo_pick.core.calibration.views import BoardView
 from stereo_pick.core.camera import Camera
@@ -34,14 +34,14 @@ class Consensus:
     gross: tuple[bool, ...]
 
 
-def agree(board: Chessboard, views: Sequence[BoardView], left: MonoCalibration, right: MonoCalibration) -> Consensus:
+def agree(board: Board, views: Sequence[BoardView], left: MonoCalibration, right: MonoCalibration) -> Consensus:
     """Take each pair's own answer, in each order of its corners, and keep the one that suits most pairs.
 
     Raises CalibrationError where no answer suits them.
     """
     orders = board.orders()
-    points = np.array([pose.apply(board.object_points()) for pose in left.poses])
-    seen = np.array([[view.right_px[order] for order in orders] for view in views])
+    points = [pose.apply(view.points(board)[1]) for pose, view in zip(left.poses, views)]
+    seen = [np.array([_ordered(view, order).right_px for order in orders]) for view in views]
     answers = [
         pose @ board.turned(order) @ board_T_left
         for pose, board_T_left in zip(right.poses, (pose.inverse() for pose in left.poses))
@@ -59,14 +59,25 @@ def agree(board: Chessboard, views: Sequence[BoardView], left: MonoCalibration, 
     matched = zip(views, gaps[best].argmin(axis=1))
     return Consensus(
         answers[best],
-        tuple(BoardView(view.name, view.left_px, view.right_px[orders[k]]) for view, k in matched),
+        tuple(_ordered(view, orders[k]) for view, k in matched),
         gaps_px,
         tuple(bool(gap > max(_MIN_GROSS_GAP * width_px, _GROSS_TIMES_MEDIAN * median_px)) for gap in gaps_px),
     )
 
 
-def _gaps_px(right_T_left: Transform, points: Floats, right: Camera, seen: Floats) -> Floats:
-    """Rms distance (V, orders) [px] of the seen right corners from the left points' (V, N, 3) projections."""
+def _ordered(view: BoardView, order: Ints) -> BoardView:
+    """The view with its right corners in another order; a board of which parts may be seen has one order only."""
+    return view if view.right_seen is not None else BoardView(view.name, view.left_px, view.right_px[order])
+
+
+def _gaps_px(right_T_left: Transform, points: Sequence[Floats], right: Camera, seen: Sequence[Floats]) -> Floats:
+    """Rms distance (V, orders) [px] of the seen right corners from the projections of the left camera's points (N, 3).
+
+    seen: each view's right corners (orders, N, 2) [px].
+    """
+    counts = np.array([len(each) for each in points])
     with np.errstate(over="ignore"):  # a wrong answer may put points beside the camera
-        predicted = right.project(right_T_left.apply(points)).reshape(len(points), 1, -1, 2)
-        return np.asarray(np.sqrt(((seen - predicted) ** 2).sum(axis=3).mean(axis=2)))
+        predicted = right.project(right_T_left.apply(np.concatenate(points)))
+        squares = ((np.concatenate(seen, axis=1) - predicted) ** 2).sum(axis=2)
+        sums = np.add.reduceat(squares, np.cumsum(counts) - counts, axis=1)
+        return np.asarray(np.sqrt(sums / counts).T)

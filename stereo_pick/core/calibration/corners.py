@@ -13,7 +13,7 @@ from stereo_pick.core.calibration.boards import Chessboard
 Detector = Callable[[Image, Chessboard], Floats | None]
 
 _MAX_HALF_WINDOW_PX = 7
-_SUB_PIXEL = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-4)
+SUB_PIXEL = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 100, 1e-4)
 
 
 def saddle_corners(picture: Image, board: Chessboard) -> Floats | None:
@@ -26,7 +26,7 @@ def saddle_corners(picture: Image, board: Chessboard) -> Floats | None:
     if not found:
         return None
     half = half_window_px(np.asarray(rough, np.float64).reshape(-1, 2), board)
-    exact = cv2.cornerSubPix(picture, rough, (half, half), (-1, -1), _SUB_PIXEL)
+    exact = cv2.cornerSubPix(picture, rough, (half, half), (-1, -1), SUB_PIXEL)
     return np.asarray(exact, np.float64).reshape(-1, 2)
 
 

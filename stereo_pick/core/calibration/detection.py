@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from stereo_pick.core.arrays import Image
-from stereo_pick.core.calibration.boards import Chessboard
-from stereo_pick.core.calibration.corners import DETECTORS, Detector
+from stereo_pick.core.calibration.any_board import Board
+from stereo_pick.core.calibration.detectors import Finder, board_view, finders
 from stereo_pick.core.calibration.views import BoardView, Detections, RejectedView
 from stereo_pick.core.errors import CalibrationError
 
@@ -30,39 +30,37 @@ class BoardImages:
         return self.left.shape[1], self.left.shape[0]
 
 
-def detect(pairs: Iterable[BoardImages], board: Chessboard) -> list[Detections]:
+def detect(pairs: Iterable[BoardImages], board: Board) -> list[Detections]:
     """Look for the board in both images of each pair; returns what each detector found.
 
     Takes the pairs one by one, so that they need not all be in memory. Raises CalibrationError where
     the images differ in size, or where no detector finds the board in both images of any pair.
     """
     first: BoardImages | None = None
-    outcomes: dict[str, list[BoardView | RejectedView]] = {name: [] for name in DETECTORS}
+    looks = finders(board)
+    outcomes: dict[str, list[BoardView | RejectedView]] = {name: [] for name in looks}
     names = list[str]()
     for pair in pairs:
         first = first or pair
         _check_size(pair, first)
         names += [pair.left_name, pair.right_name]
-        for name, detector in DETECTORS.items():
-            outcomes[name].append(_look(pair, board, detector))
+        for name, find in looks.items():
+            outcomes[name].append(_look(pair, board, find))
     if first is None:
         raise CalibrationError("there are no image pairs to look for a board in")
     found = [_detections(name, first.size_px, outcome) for name, outcome in outcomes.items()]
     if not any(detections.views for detections in found):
         more = f" and {len(names) - _NAMED_FILES} more" if len(names) > _NAMED_FILES else ""
         where = f"{', '.join(names[:_NAMED_FILES])}{more}"
-        raise CalibrationError(
-            f"no chessboard of {board} inner corners found in both images of any pair ({where}): "
-            "count the corners where four squares meet, and show the whole board, lit evenly"
-        )
+        raise CalibrationError(f"no {board.title} found in both images of any pair ({where}): {board.advice}")
     return found
 
 
-def _look(pair: BoardImages, board: Chessboard, detector: Detector) -> BoardView | RejectedView:
-    left_px, right_px = detector(pair.left, board), detector(pair.right, board)
-    if left_px is not None and right_px is not None:
-        return BoardView(pair.name, left_px, right_px)
-    without = [name for name, corners in ((pair.left_name, left_px), (pair.right_name, right_px)) if corners is None]
+def _look(pair: BoardImages, board: Board, find: Finder) -> BoardView | RejectedView:
+    left, right = find(pair.left), find(pair.right)
+    if left is not None and right is not None:
+        return board_view(pair.name, left, right, board)
+    without = [name for name, corners in ((pair.left_name, left), (pair.right_name, right)) if corners is None]
     return RejectedView(pair.name, f"no {board} board found in {' and '.join(without)}")
 
 

@@ -22,7 +22,7 @@ def supported(usual: StereoSolution, fit: Fit) -> StereoSolution:
     worth ln of the number of residuals), a plainer one takes over where they are not significant (each worth 4: two
     standard deviations). A coefficient too many widens the stated uncertainties; one too few makes them untrue.
     """
-    beyond_doubt = math.log(usual.residuals_px.size)
+    beyond_doubt = math.log(usual.coordinates_px.size)
     richer = _descend(usual, _MODELS[_MODELS.index(USUAL) + 1 :], fit, beyond_doubt)
     return richer if richer is not usual else _descend(usual, _MODELS[: _MODELS.index(USUAL)][::-1], fit, _SIGNIFICANT)
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, floats
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.arrays import Floats, Ints, floats
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.refinement import StereoSolution, refine
 from stereo_pick.core.calibration.views import MIN_VIEWS, BoardView
 from stereo_pick.core.camera import Camera
@@ -22,16 +22,16 @@ Cameras = tuple[Camera, Camera, Transform]
 
 @dataclass(frozen=True, eq=False)
 class HeldOut:
-    """Errors of views that took no part: epipolar_px (V, N) [px], the distance of each right corner from its left
-    corner's epipolar line; length_m (V,) [m], the rms error of the board's known lengths (its rows, its columns).
+    """Errors of views that took no part: epipolar_px (N,) [px], the distance of each right corner from its left
+    corner's epipolar line; length_m (M,) [m], the errors of the board's known lengths (its rows, its columns).
     """
 
     epipolar_px: Floats
     length_m: Floats
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "epipolar_px", floats("epipolar_px", self.epipolar_px, None, None))
-        object.__setattr__(self, "length_m", floats("length_m", self.length_m, len(self.epipolar_px)))
+        object.__setattr__(self, "epipolar_px", floats("epipolar_px", self.epipolar_px, None))
+        object.__setattr__(self, "length_m", floats("length_m", self.length_m, None))
 
     @property
     def epipolar_rms_px(self) -> float:
@@ -44,7 +44,7 @@ class HeldOut:
         return float(np.sqrt(np.mean(self.length_m**2)))
 
 
-def cross_validate(board: Chessboard, views: Sequence[BoardView], solution: StereoSolution) -> HeldOut | None:
+def cross_validate(board: Board, views: Sequence[BoardView], solution: StereoSolution) -> HeldOut | None:
     """Calibrate FOLDS times without a part of the views, and measure on that part; None for too few views.
 
     solution: the refinement of all the views, from which every fold begins.
@@ -52,19 +52,24 @@ def cross_validate(board: Chessboard, views: Sequence[BoardView], solution: Ster
     folds = min(FOLDS, len(views))
     if len(views) - -(-len(views) // folds) < MIN_VIEWS:
         return None
-    epipolar, length = np.zeros((len(views), board.corner_count)), np.zeros(len(views))
+    epipolar, length = list[Floats](), list[Floats]()
     for fold in range(folds):
         kept = [i for i in range(len(views)) if i % folds != fold]
         poses = [solution.poses[i] for i in kept]
         cameras = refine(board, [views[i] for i in kept], solution.cameras, poses, solution.model).cameras
         for i in range(fold, len(views), folds):
-            epipolar[i], length[i] = epipolar_px(cameras, views[i]), length_error_m(cameras, views[i], board)
-    return HeldOut(epipolar, length)
+            epipolar.append(epipolar_px(cameras, views[i]))
+            length.append(length_errors_m(cameras, views[i], board))
+    return HeldOut(np.concatenate(epipolar), np.concatenate(length))
 
 
 def epipolar_px(cameras: Cameras, view: BoardView) -> Floats:
-    """Distance (N,) [px] of the right corners from the epipolar lines of the left ones, lens distortion taken out."""
+    """Distance (N,) [px] of the right corners from the epipolar lines of the left ones, lens distortion taken out.
+
+    Of the corners that both images show.
+    """
     left, right, right_T_left = cameras
+    view = view.in_both()
     x, y, z = right_T_left.translation
     essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ right_T_left.rotation
     lines = np.c_[left.normalized(view.left_px), np.ones(len(view.left_px))] @ essential.T
@@ -74,13 +79,22 @@ def epipolar_px(cameras: Cameras, view: BoardView) -> Floats:
     return np.asarray(np.abs((lines * pixels).sum(axis=1)) / np.linalg.norm(lines[:, :2], axis=1))
 
 
-def length_error_m(cameras: Cameras, view: BoardView, board: Chessboard) -> float:
-    """Rms error [m] of the triangulated lengths of the board's rows and columns."""
+def length_errors_m(cameras: Cameras, view: BoardView, board: Board) -> Floats:
+    """Errors (N,) [m] of triangulated lengths: each row and column of corners, as far as both images show it."""
     left, right, right_T_left = cameras
+    view = view.in_both()
     sides = (left, view.left_px), (right, view.right_px)
     rays = [np.c_[camera.normalized(px), np.ones(len(px))] for camera, px in sides]
     on_left, on_right = closest_points(rays[0], rays[1], right_T_left)
-    grid = ((on_left + on_right) / 2).reshape(board.rows, board.columns, 3)
-    rows = np.linalg.norm(grid[:, -1] - grid[:, 0], axis=1) - (board.columns - 1) * board.square_m
-    columns = np.linalg.norm(grid[-1] - grid[0], axis=1) - (board.rows - 1) * board.square_m
-    return float(np.sqrt(np.mean(np.concatenate([rows, columns]) ** 2)))
+    xyz, (seen, _) = (on_left + on_right) / 2, view.seen
+    truth, lines = board.object_points()[seen], np.divmod(seen, board.grid[0])
+    first, last = np.concatenate([_ends(line) for line in lines], axis=1)
+    lengths, true_lengths = (np.linalg.norm(points[last] - points[first], axis=1) for points in (xyz, truth))
+    return np.asarray(lengths - true_lengths)
+
+
+def _ends(lines: Ints) -> Ints:
+    """Places (2, L) of the first and the last corner of each line; lines (N,): the line that each corner is on."""
+    first = np.unique(lines, return_index=True)[1]
+    last = len(lines) - 1 - np.unique(lines[::-1], return_index=True)[1]
+    return np.asarray(np.array([first, last])[:, first < last])

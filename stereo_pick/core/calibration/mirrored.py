@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.consensus import Consensus, agree
 from stereo_pick.core.calibration.mono import MonoCalibration, calibrate_camera
@@ -13,13 +14,16 @@ from stereo_pick.core.errors import CalibrationError
 
 
 def agree_unless_mirrored(
-    board: Chessboard, views: Sequence[BoardView], left: MonoCalibration, right: MonoCalibration
+    board: Board, views: Sequence[BoardView], left: MonoCalibration, right: MonoCalibration
 ) -> Consensus:
-    """What most pairs agree on; raises CalibrationError, naming a mirrored image where they agree without it."""
+    """What most pairs agree on; raises CalibrationError, naming a mirrored image where they agree without it.
+
+    A ChArUco board is not found in a mirrored image: its markers are others.
+    """
     try:
         return agree(board, views, left, right)
     except CalibrationError:
-        if _agree_mirrored(board, views, left):
+        if isinstance(board, Chessboard) and _agree_mirrored(board, views, left):
             raise CalibrationError(
                 "one of the two images is mirrored: the pairs agree on where the cameras stand only when the right one "
                 "is flipped; switch the flip off in that camera's driver, or do not look through a glass"
@@ -31,7 +35,8 @@ def _agree_mirrored(board: Chessboard, views: Sequence[BoardView], left: MonoCal
     size_px = left.camera.frame_size
     flipped = [BoardView(view.name, view.left_px, _flipped(view.right_px, size_px[0], board)) for view in views]
     try:
-        right = calibrate_camera("right", [view.right_px for view in flipped], size_px, board)
+        points = [board.object_points()] * len(flipped)
+        right = calibrate_camera("right", [view.right_px for view in flipped], size_px, points)
         agree(board, flipped, left, right)
     except CalibrationError:
         return False

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.parameters import transform
 from stereo_pick.core.calibration.views import BoardView, RejectedView, check_enough, outlier_limit_px
 from stereo_pick.core.camera import Camera
@@ -33,7 +33,7 @@ class MonoCalibration:
 
 
 def calibrate_cameras(
-    views: Sequence[BoardView], size_px: tuple[int, int], board: Chessboard, rejected: Sequence[RejectedView] = ()
+    views: Sequence[BoardView], size_px: tuple[int, int], board: Board, rejected: Sequence[RejectedView] = ()
 ) -> tuple[MonoCalibration, MonoCalibration, list[BoardView], list[RejectedView]]:
     """Calibrate left and right one by one, leaving out (worst first) the views whose corners are imprecise.
 
@@ -43,8 +43,8 @@ def calibrate_cameras(
     kept, out, out_px = list(views), list(rejected), list[tuple[float, float]]()
     while True:
         check_enough(kept, out, board)
-        left = calibrate_camera("left", [view.left_px for view in kept], size_px, board)
-        right = calibrate_camera("right", [view.right_px for view in kept], size_px, board)
+        left = calibrate_camera("left", [view.left_px for view in kept], size_px, [v.points(board)[0] for v in kept])
+        right = calibrate_camera("right", [view.right_px for view in kept], size_px, [v.points(board)[1] for v in kept])
         errors_px = np.c_[left.errors_px, right.errors_px]
         limits_px = [outlier_limit_px(errors_px[:, side], [error[side] for error in out_px]) for side in (0, 1)]
         worst, side = (int(i) for i in np.unravel_index((errors_px / limits_px).argmax(), errors_px.shape))
@@ -55,16 +55,16 @@ def calibrate_cameras(
 
 
 def calibrate_camera(
-    name: str, corners_px: Sequence[Floats], size_px: tuple[int, int], board: Chessboard
+    name: str, corners_px: Sequence[Floats], size_px: tuple[int, int], points: Sequence[Floats]
 ) -> MonoCalibration:
     """Calibrate one camera (k1 k2 p1 p2; k3 = 0) from the corners (N, 2) [px] of several views.
 
+    points: each view's corners (N, 3) [m] in the board frame.
     Raises CalibrationError where the views do not determine the camera.
     """
-    points = board.object_points().astype(np.float32)
     try:
         _, K, D, rvecs, tvecs, _, _, errors = cv2.calibrateCameraExtended(
-            [points] * len(corners_px),
+            [corners.astype(np.float32) for corners in points],
             [corners.astype(np.float32) for corners in corners_px],
             size_px,
             np.eye(3),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.consensus import Consensus
 from stereo_pick.core.calibration.mono import MonoCalibration
 from stereo_pick.core.calibration.refinement import StereoSolution, refine
@@ -29,7 +29,7 @@ def without_gross(consensus: Consensus, rejected: Sequence[RejectedView]) -> tup
 
 
 def refine_without_outliers(
-    board: Chessboard,
+    board: Board,
     consensus: Consensus,
     used: list[int],
     rejected: Sequence[RejectedView],

@@ -76,7 +76,7 @@ def _content(result: CalibrationResult) -> dict[str, Any]:
         "format": _FORMAT,
         "image_width": uncertainty.size_px[0],
         "image_height": uncertainty.size_px[1],
-        "board": {"columns": board.columns, "rows": board.rows, "square_m": board.square_m},
+        "board": {"name": str(board), "square_m": board.square_m},
         "detector": result.detector,
         "distortion": result.solution.model.value,
         "parameters": {name: {"value": value, "sigma": sigma, "unit": unit} for name, value, sigma, unit in values},

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints, floats
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.parameters import (
     COUNT,
     TRANSLATION,
@@ -30,6 +30,8 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.transform import Transform
 
+Points = tuple[Floats, Floats]
+
 _MAX_STEPS = 200
 _MIN_DAMPING, _MAX_DAMPING = 1e-12, 1e10
 _EPS = 1e-12
@@ -41,8 +43,8 @@ class StereoSolution:
     """Where the sum of the squared errors is least.
 
     model: the distortion coefficients estimated; parameters (24,) and covariance (24, 24) in the order of
-    `parameters.NAMES`, those that are not estimated with zeros; poses: left_T_board of each view; residuals_px
-    (V, 2, N, 2) [px]: projected minus seen, of each view's left and right corners, in x and y;
+    `parameters.NAMES`, those that are not estimated with zeros; poses: left_T_board of each view; residuals_px:
+    projected minus seen, of each view's left (N, 2) and right corners (M, 2) [px];
     sigma_px: standard deviation [px] of a corner's coordinate, from the residuals.
     """
 
@@ -51,16 +53,17 @@ class StereoSolution:
     parameters: Floats
     covariance: Floats
     poses: tuple[Transform, ...]
-    residuals_px: Floats
+    residuals_px: tuple[tuple[Floats, Floats], ...]
     sigma_px: float
 
     def __post_init__(self) -> None:
-        for name, shape in (
-            ("parameters", (COUNT,)),
-            ("covariance", (COUNT, COUNT)),
-            ("residuals_px", (len(self.poses), 2, None, 2)),
-        ):
+        for name, shape in (("parameters", (COUNT,)), ("covariance", (COUNT, COUNT))):
             object.__setattr__(self, name, floats(name, getattr(self, name), *shape))
+        residuals_px = tuple(
+            (floats("residuals_px", left, None, 2), floats("residuals_px", right, None, 2))
+            for left, right in self.residuals_px
+        )
+        object.__setattr__(self, "residuals_px", residuals_px)
 
     @property
     def cameras(self) -> tuple[Camera, Camera, Transform]:
@@ -70,20 +73,27 @@ class StereoSolution:
     @property
     def errors_px(self) -> Floats:
         """Rms distance (V, 2) [px] of each view's left and right corners."""
-        return np.asarray(np.sqrt((self.residuals_px**2).sum(axis=3).mean(axis=2)))
+        squares = [[(side**2).sum(axis=1).mean() for side in view] for view in self.residuals_px]
+        return np.asarray(np.sqrt(squares))
 
     @property
     def rms_px(self) -> float:
         """Rms distance [px] over all corners of both cameras."""
-        return float(np.sqrt(np.mean(self.errors_px**2)))
+        return float(np.sqrt(2 * np.mean(self.coordinates_px**2)))
+
+    @property
+    def coordinates_px(self) -> Floats:
+        """The residuals of all corners' coordinates (R,) [px], one after the other."""
+        return np.concatenate([side.ravel() for view in self.residuals_px for side in view])
 
     def criterion(self, price: float) -> float:
         """An information criterion, the corners' noise taken from the residuals; the least is best.
 
         Two models of the same views differ by what the coefficients explain, less `price` for each of them.
         """
-        variance = max(float(np.mean(self.residuals_px**2)), _FINEST_PX**2)
-        return float(self.residuals_px.size * np.log(variance) + 2 * self.model.coefficients * price)
+        residuals_px = self.coordinates_px
+        variance = max(float(np.mean(residuals_px**2)), _FINEST_PX**2)
+        return float(residuals_px.size * np.log(variance) + 2 * self.model.coefficients * price)
 
     @property
     def baseline_sigma_m(self) -> float:
@@ -95,19 +105,23 @@ class StereoSolution:
 
 @dataclass(frozen=True)
 class _Linearised:
-    """The sum of squares at some parameters, half its gradient and half its Hessian; residuals (V, 4 N) [px]."""
+    """The sum of squares at some parameters, half its gradient and half its Hessian; each view's residuals [px]."""
 
-    residuals_px: Floats
+    residuals_px: tuple[Floats, ...]
     gradient: Floats
     normal: Floats
 
     @property
     def cost(self) -> float:
-        return float((self.residuals_px**2).sum())
+        return float(sum(residuals @ residuals for residuals in self.residuals_px))
+
+    @property
+    def count(self) -> int:
+        return sum(map(len, self.residuals_px))
 
 
 def refine(
-    board: Chessboard,
+    board: Board,
     views: Sequence[BoardView],
     cameras: tuple[Camera, Camera, Transform],
     poses: Sequence[Transform],
@@ -117,7 +131,7 @@ def refine(
 
     Raises CalibrationError where the views leave a parameter open.
     """
-    points = board.object_points()
+    points = [view.points(board) for view in views]
     shared = np.where(model.free, rig_vector(*cameras), 0.0)
     start = np.concatenate([shared, *map(pose_vector, poses)])
     free = np.flatnonzero(np.append(model.free, np.ones(len(start) - COUNT, np.bool_)))
@@ -128,7 +142,7 @@ def refine(
         raise _undetermined(views) from None
     if not (np.isfinite(inverse).all() and (np.diag(inverse) >= 0).all()):
         raise _undetermined(views)
-    variance = end.cost / (end.residuals_px.size - len(free))
+    variance = end.cost / (end.count - len(free))
     estimated = np.flatnonzero(model.free)
     covariance = np.zeros((COUNT, COUNT))
     covariance[np.ix_(estimated, estimated)] = inverse[: len(estimated), : len(estimated)] * variance
@@ -138,9 +152,14 @@ def refine(
         parameters[:COUNT],
         covariance,
         tuple(transform(pose[:3], pose[3:]) for pose in parameters[COUNT:].reshape(-1, 6)),
-        end.residuals_px.reshape(len(views), 2, -1, 2),
+        tuple(_by_side(residuals, view) for residuals, view in zip(end.residuals_px, views)),
         float(np.sqrt(variance)),
     )
+
+
+def _by_side(residuals_px: Floats, view: BoardView) -> tuple[Floats, Floats]:
+    corners_px = residuals_px.reshape(-1, 2)
+    return corners_px[: len(view.left_px)], corners_px[len(view.left_px) :]
 
 
 def _undetermined(views: Sequence[BoardView]) -> CalibrationError:
@@ -149,7 +168,9 @@ def _undetermined(views: Sequence[BoardView]) -> CalibrationError:
     )
 
 
-def _minimise(parameters: Floats, free: Ints, points: Floats, views: Sequence[BoardView]) -> tuple[Floats, _Linearised]:
+def _minimise(
+    parameters: Floats, free: Ints, points: Sequence[Points], views: Sequence[BoardView]
+) -> tuple[Floats, _Linearised]:
     """Levenberg and Marquardt over the free ones: damped Gauss-Newton steps until the sum of squares stays."""
     here, damping = _linearise(parameters, free, points, views), 1e-3
     for _ in range(_MAX_STEPS):
@@ -169,13 +190,14 @@ def _minimise(parameters: Floats, free: Ints, points: Floats, views: Sequence[Bo
     return parameters, here
 
 
-def _linearise(parameters: Floats, free: Ints, points: Floats, views: Sequence[BoardView]) -> _Linearised:
+def _linearise(parameters: Floats, free: Ints, points: Sequence[Points], views: Sequence[BoardView]) -> _Linearised:
     """Sum the views' normal equations; a view touches the shared parameters and its own pose only."""
     size = len(parameters)
-    normal, gradient, residuals_px = np.zeros((size, size)), np.zeros(size), np.zeros((len(views), 4 * len(points)))
+    normal, gradient, all_px = np.zeros((size, size)), np.zeros(size), list[Floats]()
     for i, view in enumerate(views):
         own = np.r_[0:COUNT, COUNT + 6 * i : COUNT + 6 * (i + 1)]
-        residuals_px[i], jacobian = view_residuals(parameters[own], points, view)
+        residuals_px, jacobian = view_residuals(parameters[own], points[i], view)
         normal[np.ix_(own, own)] += jacobian.T @ jacobian
-        gradient[own] += jacobian.T @ residuals_px[i]
-    return _Linearised(residuals_px, gradient[free], normal[np.ix_(free, free)])
+        gradient[own] += jacobian.T @ residuals_px
+        all_px.append(residuals_px)
+    return _Linearised(tuple(all_px), gradient[free], normal[np.ix_(free, free)])

@@ -10,10 +10,11 @@ from stereo_pick.core.calibration.parameters import COUNT, EXTRINSICS, LEFT, RIG
 from stereo_pick.core.calibration.views import BoardView
 
 
-def view_residuals(own: Floats, points: Floats, view: BoardView) -> tuple[Floats, Floats]:
-    """Residuals (4 N,) [px], left before right, and their derivatives (4 N, 30) by the view's parameters.
+def view_residuals(own: Floats, points: tuple[Floats, Floats], view: BoardView) -> tuple[Floats, Floats]:
+    """Residuals (2 N + 2 M,) [px], left before right, and their derivatives (2 N + 2 M, 30) by the view's parameters.
 
-    own: the 24 shared parameters, then rvec and tvec of left_T_board; points: (N, 3) [m] in the board frame.
+    own: the 24 shared parameters, then rvec and tvec of left_T_board; points: what the left image shows (N, 3) and
+    what the right one shows (M, 3) [m] in the board frame.
     """
     pose, extrinsics = own[COUNT:], own[EXTRINSICS]
     composed = cv2.composeRT(pose[:3], pose[3:], extrinsics[:3], extrinsics[3:])
@@ -21,13 +22,13 @@ def view_residuals(own: Floats, points: Floats, view: BoardView) -> tuple[Floats
     by_pose, by_extrinsics = np.zeros((6, 6)), np.zeros((6, 6))
     by_pose[:3, :3], by_pose[:3, 3:], by_extrinsics[:3, :3], by_extrinsics[:3, 3:] = composed[2:6]
     by_pose[3:, :3], by_pose[3:, 3:], by_extrinsics[3:, :3], by_extrinsics[3:, 3:] = composed[6:]
-    left_px, left_by_pose, left_by_camera = _project(points, pose, own[LEFT])
-    right_px, right_by_pose, right_by_camera = _project(points, right_pose, own[RIGHT])
-    half = 2 * len(points)
-    jacobian = np.zeros((2 * half, COUNT + 6))
-    jacobian[:half, LEFT], jacobian[:half, COUNT:] = left_by_camera, left_by_pose
-    jacobian[half:, RIGHT], jacobian[half:, COUNT:] = right_by_camera, right_by_pose @ by_pose
-    jacobian[half:, EXTRINSICS] = right_by_pose @ by_extrinsics
+    left_px, left_by_pose, left_by_camera = _project(points[0], pose, own[LEFT])
+    right_px, right_by_pose, right_by_camera = _project(points[1], right_pose, own[RIGHT])
+    of_left = 2 * len(points[0])
+    jacobian = np.zeros((of_left + 2 * len(points[1]), COUNT + 6))
+    jacobian[:of_left, LEFT], jacobian[:of_left, COUNT:] = left_by_camera, left_by_pose
+    jacobian[of_left:, RIGHT], jacobian[of_left:, COUNT:] = right_by_camera, right_by_pose @ by_pose
+    jacobian[of_left:, EXTRINSICS] = right_by_pose @ by_extrinsics
     return np.concatenate([left_px - view.left_px, right_px - view.right_px]).ravel(), jacobian
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.coverage import Coverage, coverage
 from stereo_pick.core.calibration.held_out import HeldOut, cross_validate
 from stereo_pick.core.calibration.refinement import StereoSolution
@@ -49,7 +49,7 @@ class CalibrationResult:
     """
 
     rig: StereoRig
-    board: Chessboard
+    board: Board
     solution: StereoSolution
     views: tuple[BoardView, ...]
     rms_left_px: float

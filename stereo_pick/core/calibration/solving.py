@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.distortion import supported
 from stereo_pick.core.calibration.mirrored import agree_unless_mirrored
 from stereo_pick.core.calibration.mono import MonoCalibration, calibrate_cameras
@@ -28,7 +28,7 @@ _ZERO_SIGMAS, _ZERO_OF_DISTANCE = 5.0, 0.01  # a baseline below both is none
 def calibrate(
     views: Sequence[BoardView],
     size_px: tuple[int, int],
-    board: Chessboard,
+    board: Board,
     detector: str = "given corners",
     rejected: Sequence[RejectedView] = (),
 ) -> CalibrationResult:
@@ -58,7 +58,7 @@ def calibrate(
     )
 
 
-def calibrate_best(recordings: Sequence[Detections], board: Chessboard) -> CalibrationResult:
+def calibrate_best(recordings: Sequence[Detections], board: Board) -> CalibrationResult:
     """Calibrate from what each detector found in one recording, and keep the surest result.
 
     That is the one whose corners the calibration predicts best in views that took no part, weighed by
@@ -88,7 +88,7 @@ def _check(solution: StereoSolution, left: MonoCalibration) -> None:
     if not solution.rms_px <= limit_px:
         raise CalibrationError(
             f"stereo rms = {solution.rms_px:.2f} px is above {limit_px:.2f} px: the corners do not fit one rig; is the "
-            "board flat, has it these numbers of inner corners, and were left and right taken at the same moment?"
+            "board flat, is it the one named, and were left and right taken at the same moment?"
         )
     baseline_m, sigma_m = float(np.linalg.norm(solution.parameters[TRANSLATION])), solution.baseline_sigma_m
     value = f"baseline = {baseline_m * 1000:.2f} mm (standard deviation {sigma_m * 1000:.2f} mm)"

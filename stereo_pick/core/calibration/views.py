@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, floats
-from stereo_pick.core.calibration.boards import Chessboard
-from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.arrays import Floats, Ints, floats, frozen
+from stereo_pick.core.calibration.any_board import Board
+from stereo_pick.core.errors import ArrayError, CalibrationError
 
 MIN_VIEWS = 3
 _TIMES_MEDIAN = 3.0
@@ -18,18 +18,59 @@ _MIN_OUTLIER_PX = 0.1  # what a detector gets wrong on a good image; never an ou
 
 @dataclass(frozen=True)
 class BoardView:
-    """One stereo pair's corners: left_px and right_px (N, 2) [px] in the raw images.
+    """One stereo pair's corners: left_px (N, 2) and right_px (M, 2) [px] in the raw images.
 
+    left_seen (N,), right_seen (M,): which of the board's corners these are, ascending; None: all, in the board's order.
     Raises ArrayError on another shape or values that are not finite.
     """
 
     name: str
     left_px: Floats
     right_px: Floats
+    left_seen: Ints | None = None
+    right_seen: Ints | None = None
 
     def __post_init__(self) -> None:
-        for field in ("left_px", "right_px"):
-            object.__setattr__(self, field, floats(f"{self.name}: {field}", getattr(self, field), None, 2))
+        for side in ("left", "right"):
+            self._check(f"{side}_px", f"{side}_seen")
+
+    def _check(self, px: str, seen: str) -> None:
+        indices, count = getattr(self, seen), None
+        if indices is not None:
+            object.__setattr__(self, seen, ascending(f"{self.name}: {seen}", indices))
+            count = len(indices)
+        object.__setattr__(self, px, floats(f"{self.name}: {px}", getattr(self, px), count, 2))
+
+    @property
+    def corners_px(self) -> tuple[Floats, Floats]:
+        """The corners in the left image and in the right one."""
+        return self.left_px, self.right_px
+
+    @property
+    def seen(self) -> tuple[Ints, Ints]:
+        """Which of the board's corners the left image shows, and which the right one."""
+        left = np.arange(len(self.left_px)) if self.left_seen is None else self.left_seen
+        right = np.arange(len(self.right_px)) if self.right_seen is None else self.right_seen
+        return left, right
+
+    def points(self, board: Board) -> tuple[Floats, Floats]:
+        """The corners (N, 3) and (M, 3) [m] in the board frame that the left image shows, and the right one."""
+        points, (left, right) = board.object_points(), self.seen
+        return points[left], points[right]
+
+    def in_both(self) -> BoardView:
+        """The view with only the corners that both images show."""
+        seen, in_left, in_right = np.intersect1d(*self.seen, assume_unique=True, return_indices=True)
+        return BoardView(self.name, self.left_px[in_left], self.right_px[in_right], seen, seen)
+
+
+def ascending(name: str, indices: Ints) -> Ints:
+    """A read-only copy of the indices; raises ArrayError where they do not grow from 0 or more."""
+    copy = np.array(indices, np.int64)
+    if copy.ndim != 1 or (np.diff(copy, prepend=-1) <= 0).any():
+        raise ArrayError(f"{name} = {copy.tolist()} must be ascending indices of corners")
+    frozen(copy)
+    return copy
 
 
 @dataclass(frozen=True)
@@ -50,26 +91,29 @@ class Detections:
     rejected: tuple[RejectedView, ...]
 
 
-def check_views(views: Sequence[BoardView], board: Chessboard) -> None:
-    """Raise CalibrationError where a view has another number of corners than the board."""
+def check_views(views: Sequence[BoardView], board: Board) -> None:
+    """Raise CalibrationError where a view has another number of corners than the board, or some that it has not."""
     for view in views:
-        for side, corners in (("left", view.left_px), ("right", view.right_px)):
-            if len(corners) != board.corner_count:
+        for side, corners_px, seen in zip(("left", "right"), view.corners_px, (view.left_seen, view.right_seen)):
+            if seen is None and len(corners_px) != board.corner_count:
                 raise CalibrationError(
-                    f"{view.name}: {len(corners)} corners in the {side} image, but a {board} board has "
+                    f"{view.name}: {len(corners_px)} corners in the {side} image, but a {board} board has "
                     f"{board.corner_count}"
                 )
+            if seen is not None and (board.needs_all_corners or (seen >= board.corner_count).any()):
+                raise CalibrationError(f"{view.name}: corners {seen.tolist()} are no part of a {board} board")
 
 
-def check_enough(views: Sequence[BoardView], rejected: Sequence[RejectedView], board: Chessboard) -> None:
+def check_enough(views: Sequence[BoardView], rejected: Sequence[RejectedView], board: Board) -> None:
     """Raise CalibrationError, saying what became of the others, where fewer than MIN_VIEWS pairs are left."""
     if len(views) >= MIN_VIEWS:
         return
     reasons = "; ".join(f"{view.name}: {view.reason}" for view in rejected[:5])
     more = f"; and {len(rejected) - 5} more" if len(rejected) > 5 else ""
+    shown = "the whole board" if board.needs_all_corners else "the board"
     raise CalibrationError(
         f"{len(views)} usable pairs of the {board} board are too few: at least {MIN_VIEWS} are needed, 15 are good; "
-        f"take more pairs with the whole board in both images{f' ({reasons}{more})' if reasons else ''}"
+        f"take more pairs with {shown} in both images{f' ({reasons}{more})' if reasons else ''}"
     )
 
 

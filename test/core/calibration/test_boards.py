@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.corners import DETECTORS, half_window_px
 from stereo_pick.core.calibration.detection import BoardImages, detect
+from stereo_pick.core.calibration.detectors import may_show
 from stereo_pick.core.errors import CalibrationError, ParameterError, StereoPickError
 from stereo_pick.core.transform import Transform
 
@@ -111,3 +112,17 @@ def test_images_of_different_size_are_refused() -> None:
 def test_no_pairs_are_refused() -> None:
     with pytest.raises(StereoPickError, match="no image pairs"):
         detect([], BOARD)
+
+
+@pytest.mark.parametrize("square_px", [20, 60, 100])
+def test_large_images_are_looked_at_in_small(square_px: int) -> None:
+    picture = np.full((960, 1280), 210, np.uint8)
+    assert not may_show(picture, BOARD)
+    squares = np.indices((BOARD.rows + 1, BOARD.columns + 1)).sum(axis=0) % 2 * 170 + 40
+    board = np.kron(squares, np.ones((square_px, square_px)))
+    picture[150 : 150 + board.shape[0], 131 : 131 + board.shape[1]] = board
+    assert may_show(picture, BOARD)
+
+
+def test_small_images_are_looked_at_as_they_are() -> None:
+    assert may_show(GREY, BOARD)

@@ -10,7 +10,7 @@ from simulated_views import BOARD, RIG, SIZE_PX, make_views, triangulated
 
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.files import load_rig
-from stereo_pick.core.calibration.held_out import epipolar_px, length_error_m
+from stereo_pick.core.calibration.held_out import epipolar_px, length_errors_m
 from stereo_pick.core.calibration.solving import calibrate
 from stereo_pick.core.calibration.verdict import Word, check_baseline, judge
 from stereo_pick.core.calibration.views import BoardView
@@ -22,7 +22,9 @@ CAMERAS = RIG.left, RIG.right, RIG.right_T_left
 def test_true_rig_has_no_errors() -> None:
     view = make_views(1)[0]
     np.testing.assert_allclose(epipolar_px(CAMERAS, view), 0, atol=1e-6)
-    assert length_error_m(CAMERAS, view, BOARD) < 1e-8
+    errors_m = length_errors_m(CAMERAS, view, BOARD)
+    assert len(errors_m) == BOARD.columns + BOARD.rows
+    np.testing.assert_allclose(errors_m, 0, atol=1e-8)
 
 
 def test_epipolar_error_is_the_distance_across_the_line() -> None:
