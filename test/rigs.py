@@ -2,57 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import cv2
 import numpy as np
 from hypothesis import strategies as st
+from rendering.rigs import SIZE_PX, camera, looking_at, rotation, thesis_cameras
 
-from stereo_pick.core.arrays import Floats
-from stereo_pick.core.camera import Camera
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.transform import Transform
 
-SIZE_PX = (640, 480)
-
-
-def camera(
-    name: str = "left",
-    focal_px: float | tuple[float, float] = 900.0,
-    centre_px: tuple[float, float] = (319.5, 239.5),
-    D: Sequence[float] = (0.0,) * 5,
-    model: str = "plumb_bob",
-    size_px: tuple[int, int] = SIZE_PX,
-) -> Camera:
-    """A camera that has not been rectified yet."""
-    fx, fy = focal_px if isinstance(focal_px, tuple) else (focal_px, focal_px)
-    K = np.array([[fx, 0, centre_px[0]], [0, fy, centre_px[1]], [0, 0, 1]])
-    P = np.c_[K, np.zeros(3)]
-    return Camera(name, *size_px, K, np.array(D), np.eye(3), P, model)
-
-
-def rotation(rvec_rad: Sequence[float] | Floats) -> Floats:
-    """The rotation (3, 3) of an axis times an angle."""
-    return np.asarray(cv2.Rodrigues(np.array(rvec_rad, np.float64))[0])
-
-
-def thesis_cameras() -> tuple[Camera, Camera, Transform]:
-    """Chapter 3.4's calibration, with `X_R = R X_L + T`."""
-    left = camera("left", (1126.16240, 1129.79384), (298.95439, 260.18405), (-0.26468, 2.07282, 0.0089, 0.00173, 0.0))
-    right = camera("right", (1121.12572, 1125.23248), (328.41312, 266.00955), (-0.18696, 0.75452, 0.00292, 0.00774, 0))
-    shift = np.array([-205.77721, 10.81310, 42.23043]) / 1000
-    return left, right, Transform(rotation((0.08355, 0.29692, -0.00108)), shift)
-
-
-def looking_at(centre_m: Sequence[float], target_m: Sequence[float], roll_deg: float = 0.0) -> Transform:
-    """`right_T_left` of a right camera at `centre_m` that looks at `target_m`, both in the left frame."""
-    z = np.subtract(target_m, centre_m)
-    z = z / np.linalg.norm(z)
-    x = np.cross((0.0, 1.0, 0.0), z)
-    x /= np.linalg.norm(x)
-    upright = np.stack([x, np.cross(z, x), z], axis=1)
-    left_T_right = Transform(upright @ rotation((0, 0, np.deg2rad(roll_deg))), np.array(centre_m, np.float64))
-    return left_T_right.inverse()
+__all__ = ["RIGS", "SIZE_PX", "camera", "looking_at", "random_rigs", "rotation", "thesis_cameras", "typical_rigs"]
 
 
 def _typical(right_T_left: Transform) -> StereoRig:

@@ -94,7 +94,9 @@ def extrinsics(left: Camera, right: Camera) -> Transform:
             f"baseline -P[0,3] / fx of the right camera = {-shift[0]:.4f} m is negative: left and right are swapped; "
             "exchange the two cameras, or calibrate again"
         )
-    return Transform(right.R.T @ left.R, right.R.T @ shift)
+    # A file's rounded R is no rotation to the last digit: made one here, the rig survives its own camera_info unchanged.
+    U, _, Vt = np.linalg.svd(right.R.T @ left.R)
+    return Transform(U @ Vt, right.R.T @ shift)
 
 
 def check_baseline(right_T_left: Transform) -> None:

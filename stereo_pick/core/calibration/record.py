@@ -10,17 +10,20 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
 
+from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.calibration.parameters import NAMES, UNITS
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.uncertainty import CalibrationUncertainty
 from stereo_pick.core.calibration.verdict import Verdict, Word, judge
 from stereo_pick.core.errors import ArrayError, CalibrationError
+from stereo_pick.core.rig import StereoRig
 
 FILE_NAME = "calibration.yaml"
 _FORMAT = "stereo_pick calibration 1"
@@ -33,6 +36,11 @@ class CalibrationRecord:
     uncertainty: CalibrationUncertainty
     verdict: Verdict
     hash: str
+
+    @cached_property
+    def calibration_hash(self) -> str:
+        """The hash of the rig: that of the camera_info which were written beside this file."""
+        return calibration_hash(StereoRig.from_extrinsics(*self.uncertainty.cameras))
 
 
 def save_record(result: CalibrationResult, folder: Path) -> Path:
@@ -74,6 +82,7 @@ def _content(result: CalibrationResult) -> dict[str, Any]:
     values = zip(NAMES, uncertainty.parameters.tolist(), uncertainty.sigma.tolist(), UNITS)
     return {
         "format": _FORMAT,
+        "calibration_hash": calibration_hash(result.rig),
         "image_width": uncertainty.size_px[0],
         "image_height": uncertainty.size_px[1],
         "board": {"name": str(board), "square_m": board.square_m},

@@ -10,6 +10,8 @@ import pytest
 import yaml
 from simulated_views import BOARD, SIZE_PX, make_views
 
+from stereo_pick.core.calibration.files import load_rig, save_rig
+from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.calibration.record import load_record, save_record
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.solving import calibrate
@@ -48,6 +50,13 @@ def test_hash_is_of_the_content(tmp_path: Path) -> None:
     assert load_record(path).hash == stated
     other = calibrate(make_views(6, noise_px=0.1, seed=1), SIZE_PX, BOARD)
     assert load_record(save_record(other, tmp_path)).hash != stated
+
+
+def test_file_states_the_hash_of_the_camera_info_beside_it(tmp_path: Path) -> None:
+    path = save_record(result(), tmp_path)
+    save_rig(result().rig, tmp_path)
+    stated = yaml.safe_load(path.read_text())["calibration_hash"]
+    assert stated == calibration_hash(load_rig(tmp_path)) == load_record(path).calibration_hash
 
 
 def test_changed_file_is_noticed(tmp_path: Path) -> None:

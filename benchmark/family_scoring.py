@@ -1,0 +1,156 @@
+"""What the pipeline found in one scene of a family, held against the truth."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from rendering import TrueObject, Truth
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.assignment import assign
+from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.pipeline import Pipeline
+from stereo_pick.core.poses import ObjectPoses
+from stereo_pick.core.refusal import count_reasons
+
+GATE_M = 0.010  # a pose counts as an object within this or half the object's size
+WRONG_M = 0.005
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """An object that a pose counts as, and its errors.
+
+    position_m: (3,), against the centre of the volume, in the left frame; mahalanobis2: with the stated covariance;
+    size_m: (3,) length, width, height, and yaw_rad: None where the poses do not carry them.
+    """
+
+    which: int
+    truth: TrueObject
+    position_m: Floats
+    mahalanobis2: float
+    size_m: Floats | None
+    yaw_rad: float | None
+
+    @property
+    def distance_m(self) -> float:
+        return float(np.linalg.norm(self.position_m))
+
+
+@dataclass(frozen=True, eq=False)
+class SceneScore:
+    """One scene; ghosts_m: (N, 3), poses that are no object's; between: how many of them lie between two parts."""
+
+    family: str
+    seed: int
+    objects: tuple[TrueObject, ...]
+    found: tuple[Found, ...]
+    ghosts_m: Floats
+    between: int
+    refused: Counter[str]
+    seconds: float
+
+    @property
+    def required(self) -> int:
+        return sum(each.required for each in self.objects)
+
+    @property
+    def missed(self) -> list[int]:
+        """The required objects that were not found."""
+        found = {each.which for each in self.found}
+        return [number for number, each in enumerate(self.objects) if each.required and number not in found]
+
+    @property
+    def depths_m(self) -> list[float]:
+        """Error of the depth between every two required objects that were found."""
+        required = [each.position_m[2] for each in self.found if each.truth.required]
+        return [abs(float(second - first)) for first, second in combinations(required, 2)]
+
+    @property
+    def wrong(self) -> int:
+        """Published and off by more than WRONG_M, ghosts among them."""
+        return sum(each.distance_m > WRONG_M for each in self.found) + len(self.ghosts_m)
+
+    @property
+    def right(self) -> bool:
+        return not self.missed and not self.wrong
+
+
+def score(family: str, seed: int, pipeline: Pipeline, frame: StereoFrame, truth: Truth) -> SceneScore:
+    """Run the pipeline on a scene's raw pair."""
+    begin = time.process_time()
+    poses = pipeline.run(frame).poses
+    seconds = time.process_time() - begin
+    pairs = _one_to_one(truth, poses.xyz)
+    ghosts = np.delete(poses.xyz, [row for _, row in pairs], axis=0)
+    return SceneScore(
+        family=family,
+        seed=seed,
+        objects=truth.objects,
+        found=tuple(_found(truth, which, poses, row) for which, row in pairs),
+        ghosts_m=ghosts,
+        between=sum(_is_between(ghost, truth) for ghost in ghosts),
+        refused=Counter(count_reasons(poses.refused)),
+        seconds=seconds,
+    )
+
+
+def _one_to_one(truth: Truth, xyz: Floats) -> list[tuple[int, int]]:
+    distance = np.linalg.norm(truth.centres_m[:, None] - xyz[None], axis=2)
+    gates = np.array([max(GATE_M, max(each.extent_m) / 2) for each in truth.objects]).reshape(-1, 1)
+    return sorted(assign(np.where(distance <= gates, distance, np.inf), unmatched_cost=1.0))
+
+
+def _found(truth: Truth, which: int, poses: ObjectPoses, row: int) -> Found:
+    item = truth.objects[which]
+    error = poses.xyz[row] - item.centre_m
+    covariance = poses.covariance[row]
+    return Found(
+        which=which,
+        truth=item,
+        position_m=error,
+        mahalanobis2=float(error @ np.linalg.solve(covariance, error)),
+        size_m=_size_error(item, poses, row),
+        yaw_rad=_yaw_error(truth, item, poses, row),
+    )
+
+
+def _size_error(item: TrueObject, poses: ObjectPoses, row: int) -> Floats | None:
+    """Of length, width and height; None where the poses carry no heights."""
+    if poses.size_m.shape[1] != 3:
+        return None
+    length, width, height = item.extent_m
+    true = np.array([max(length, width), min(length, width), height])
+    return np.asarray(poses.size_m[row] - true)
+
+
+def _yaw_error(truth: Truth, item: TrueObject, poses: ObjectPoses, row: int) -> float | None:
+    """Of the pose's x axis about the table's normal; None where the part has no yaw, or where poses have no heights.
+
+    Poses without heights are turned about the camera's axis, not about the table's normal.
+    """
+    if not item.yaw_period_rad or poses.size_m.shape[1] != 3:
+        return None
+    x, y, z, w = poses.quaternions()[row]
+    x_axis = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)])
+    on_table = x_axis @ truth.left_T_table.rotation
+    length, width, _ = item.extent_m
+    true = item.yaw_rad + (np.pi / 2 if width > length else 0)
+    turn = np.arctan2(on_table[1], on_table[0]) - true
+    period = item.yaw_period_rad
+    return float((turn + period / 2) % period - period / 2)
+
+
+def _is_between(ghost: Floats, truth: Truth) -> bool:
+    for one, other in combinations(truth.objects, 2):
+        way = other.centre_m - one.centre_m
+        share = float((ghost - one.centre_m) @ way / (way @ way))
+        aside = float(np.linalg.norm(ghost - one.centre_m - share * way))
+        size = (max(one.extent_m) + max(other.extent_m)) / 2
+        if 0.1 < share < 0.9 and aside < size / 2 and np.linalg.norm(way) < 2 * size:
+            return True
+    return False

@@ -1,0 +1,113 @@
+"""The tables of the families of scenes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+from family_scoring import SceneScore
+from formatting import Row, markdown_table
+
+CHI2_3_95 = 7.815
+
+Column = tuple[str, Callable[[Sequence[SceneScore]], str]]
+
+
+def detection_table(scores: Sequence[SceneScore]) -> str:
+    """What was found, missed and invented."""
+    columns: list[Column] = [
+        ("scenes", lambda of: str(len(of))),
+        ("wholly right", lambda of: str(sum(each.right for each in of))),
+        ("required", lambda of: str(sum(each.required for each in of))),
+        ("found", lambda of: str(sum(each.required - len(each.missed) for each in of))),
+        ("missed", lambda of: str(sum(len(each.missed) for each in of))),
+        ("ghosts", lambda of: str(sum(len(each.ghosts_m) for each in of))),
+        ("between parts", lambda of: str(sum(each.between for each in of))),
+        ("> 5 mm wrong", lambda of: str(sum(each.wrong for each in of))),
+        ("refused", lambda of: _reasons(of)),
+    ]
+    return _by_family(scores, columns)
+
+
+def accuracy_table(scores: Sequence[SceneScore]) -> str:
+    """Errors [mm] of the required objects that were found; the last two columns speak of all poses that are objects."""
+    columns: list[Column] = [
+        ("ΔZ mean", lambda of: _mm(np.mean, _depths(of))),
+        ("max", lambda of: _mm(np.max, _depths(of))),
+        ("position mean", lambda of: _mm(np.mean, _distances(of))),
+        ("max", lambda of: _mm(np.max, _distances(of))),
+        ("d² 95 %", lambda of: _number(lambda values: np.percentile(values, 95), _mahalanobis(of), 1)),
+        ("d² < 7.81", lambda of: _number(lambda values: np.mean(np.array(values) < CHI2_3_95), _mahalanobis(of), 2)),
+    ]
+    return _by_family(scores, columns)
+
+
+def size_table(scores: Sequence[SceneScore]) -> str:
+    """Size [mm], yaw [degrees], and time."""
+    columns: list[Column] = [
+        ("length mean", lambda of: _mm(np.mean, _sizes(of, 0))),
+        ("max", lambda of: _mm(np.max, _sizes(of, 0))),
+        ("width mean", lambda of: _mm(np.mean, _sizes(of, 1))),
+        ("max", lambda of: _mm(np.max, _sizes(of, 1))),
+        ("height mean", lambda of: _mm(np.mean, _sizes(of, 2))),
+        ("max", lambda of: _mm(np.max, _sizes(of, 2))),
+        ("yaw median", lambda of: _number(np.median, _yaws_deg(of), 2)),
+        ("max", lambda of: _number(np.max, _yaws_deg(of), 1)),
+        ("ms a pair, median", lambda of: f"{np.median([each.seconds for each in of]) * 1000:.1f}"),
+    ]
+    return _by_family(scores, columns)
+
+
+def failed_scenes(scores: Iterable[SceneScore]) -> str:
+    """The scenes that are not wholly right, and what is wrong with each."""
+    return "\n".join(
+        f"{each.family} {each.seed}: missed {each.missed}, ghosts {len(each.ghosts_m)}, "
+        f"wrong {[found.which for found in each.found if found.distance_m > 0.005]}, refused {dict(each.refused)}"
+        for each in scores
+        if not each.right
+    )
+
+
+def _by_family(scores: Sequence[SceneScore], columns: Sequence[Column]) -> str:
+    families = list(dict.fromkeys(each.family for each in scores))
+    rows: list[Row] = []
+    for family in families:
+        of = [each for each in scores if each.family == family]
+        rows.append((family, *(cell(of) for _, cell in columns)))
+    if len(families) > 1:
+        rows.append(("all", *(cell(scores) for _, cell in columns)))
+    return markdown_table(("family", *(name for name, _ in columns)), rows)
+
+
+def _depths(scores: Iterable[SceneScore]) -> list[float]:
+    return [depth for each in scores for depth in each.depths_m]
+
+
+def _distances(scores: Iterable[SceneScore]) -> list[float]:
+    return [found.distance_m for each in scores for found in each.found if found.truth.required]
+
+
+def _mahalanobis(scores: Iterable[SceneScore]) -> list[float]:
+    return [found.mahalanobis2 for each in scores for found in each.found]
+
+
+def _sizes(scores: Iterable[SceneScore], axis: int) -> list[float]:
+    return [abs(float(found.size_m[axis])) for each in scores for found in each.found if found.size_m is not None]
+
+
+def _yaws_deg(scores: Iterable[SceneScore]) -> list[float]:
+    return [abs(float(np.rad2deg(f.yaw_rad))) for each in scores for f in each.found if f.yaw_rad is not None]
+
+
+def _reasons(scores: Iterable[SceneScore]) -> str:
+    total: Counter[str] = sum((each.refused for each in scores), Counter())
+    return ", ".join(f"{count} {reason}" for reason, count in total.most_common()) or "–"
+
+
+def _mm(of: Callable[[list[float]], float], values_m: list[float]) -> str:
+    return _number(of, [1000 * value for value in values_m], 3)
+
+
+def _number(of: Callable[[list[float]], float], values: list[float], places: int) -> str:
+    return f"{of(values):.{places}f}" if values else "–"
