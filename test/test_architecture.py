@@ -39,6 +39,7 @@ CORE_LAYERS = (
     "pairing",
     "frames",
     "rectification",
+    "calibration_page",
     "objects",
     "correspondence",
     "triangulation",

@@ -10,6 +10,11 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 
 
+def dot(one: Floats, other: Floats) -> Floats:
+    """Row by row, (N,) of (N, D) or (1, D)."""
+    return np.asarray(np.einsum("ij,ij->i", one, other))
+
+
 def slabs(start: Floats, ahead: Floats, half: Floats) -> tuple[Floats, Floats]:
     """Between -half and +half, axis by axis: both (N, D)."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -20,11 +25,12 @@ def slabs(start: Floats, ahead: Floats, half: Floats) -> tuple[Floats, Floats]:
 
 def ball(start: Floats, ahead: Floats, radius: float) -> tuple[Floats, Floats]:
     """Within a radius of the origin; with two coordinates, of an endless cylinder's axis: both (N,)."""
-    a = (ahead * ahead).sum(axis=1)
-    b = (ahead * start).sum(axis=1)
-    c = (start * start).sum(axis=1) - radius**2
+    a, b, c = dot(ahead, ahead), dot(ahead, start), dot(start, start) - radius**2
     with np.errstate(divide="ignore", invalid="ignore"):
         root = np.sqrt(b * b - a * c)
         near, far = (-b - root) / a, (-b + root) / a
-    missed = ~np.isfinite(near)
-    return np.where(missed, np.inf, near), np.where(missed, -np.inf, far)
+    missed, always = ~np.isfinite(near), (a == 0) & (c < 0)  # along the axis, within
+    return (
+        np.where(always, -np.inf, np.where(missed, np.inf, near)),
+        np.where(always, np.inf, np.where(missed, -np.inf, far)),
+    )

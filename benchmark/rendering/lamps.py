@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rendering.intervals import dot
 from stereo_pick.core.arrays import Floats
 
 _SAMPLES = 16
@@ -47,7 +48,7 @@ class Lamp:
     def on(self, points: Floats) -> tuple[Floats, Floats]:
         """Unit directions (N, 3) to the lamp from points (N, 3), and how strongly (N,) it shines there."""
         way = self.centre_m - points
-        distance2 = (way * way).sum(axis=1)
+        distance2 = dot(way, way)
         return way / np.sqrt(distance2)[:, None], self.strength * self.distance_m**2 / distance2
 
 

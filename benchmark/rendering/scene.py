@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rendering.intervals import dot
 from rendering.lamps import Lamp
 from rendering.rigs import rotation
 from rendering.shadows import ShadowMap, visible_from
@@ -152,12 +153,12 @@ class Scene:
         for lamp, visible in zip(self.lamps, lit):
             direction, strength = lamp.on(points)
             strength = strength * visible * (1 - self.ambient)
-            light += strength * np.clip((direction * normal).sum(axis=1), 0, None)
+            light += strength * np.maximum(dot(direction, normal), 0)
             if gloss:
                 half = direction + eye
                 half /= np.linalg.norm(half, axis=1, keepdims=True)
-                shine += gloss * strength * np.clip((half * normal).sum(axis=1), 0, None) ** _SHININESS
+                shine += gloss * strength * np.maximum(dot(half, normal), 0) ** _SHININESS
         if gloss:
-            mirrored_up = 2 * (eye * normal).sum(axis=1) * normal[:, 2] - eye[:, 2]
+            mirrored_up = 2 * dot(eye, normal) * normal[:, 2] - eye[:, 2]
             shine += gloss * self.ambient * 0.5 / (1 + np.exp(-8 * mirrored_up))
         return light, shine

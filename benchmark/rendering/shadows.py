@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from rendering.intervals import dot
 from rendering.lamps import Lamp
 from rendering.solids import Solid
 from stereo_pick.core.arrays import Floats
@@ -80,7 +81,7 @@ def open_sky(points: Floats, solids: Sequence[Solid]) -> Floats:
         for level in range(count):
             centre = solid.centre_m + (0, 0, z * ((level + 0.5) / count - 0.5))
             way = centre - points
-            distance2 = np.maximum((way * way).sum(axis=1), radius**2)
+            distance2 = np.maximum(dot(way, way), radius**2)
             hidden += way[:, 2] / np.sqrt(distance2) * radius**2 / distance2
     return np.clip(1 - hidden, 0.15, 1)
 

@@ -213,9 +213,10 @@ class Sphere(Solid):
         return self.size_m[0] / 2
 
     def hull_m(self) -> Floats:
-        turn, climb = np.meshgrid(np.linspace(0, 2 * np.pi, 24, endpoint=False), np.linspace(-1, 1, 25))
-        level = np.sqrt(1 - climb**2)
-        points = np.stack([level * np.cos(turn), level * np.sin(turn), climb], axis=-1).reshape(-1, 3)
+        rising = np.linspace(-np.pi / 2, np.pi / 2, _RIM // 2 + 1)
+        turn, climb = np.meshgrid(np.linspace(0, 2 * np.pi, _RIM, endpoint=False), rising)
+        level = np.cos(climb)
+        points = np.stack([level * np.cos(turn), level * np.sin(turn), np.sin(climb)], axis=-1).reshape(-1, 3)
         return self._placed(points * self.size_m[0] / 2)
 
     def _interval(self, start: Floats, ahead: Floats) -> tuple[Floats, Floats, Floats]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from stereo_pick.cli.calibration_report import report
@@ -14,8 +15,11 @@ from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.detection import BoardImages, detect
 from stereo_pick.core.calibration.files import save_rig
 from stereo_pick.core.calibration.record import save_record
+from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.solving import calibrate_best
-from stereo_pick.core.calibration.verdict import Word, check_baseline, judge
+from stereo_pick.core.calibration.verdict import Verdict, Word, check_baseline, judge
+from stereo_pick.core.calibration_page.evidence import typical_view
+from stereo_pick.core.calibration_page.page import calibration_page, refusal_page, save_page
 from stereo_pick.core.errors import CalibrationError, ParameterError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.images import read_image
@@ -38,7 +42,8 @@ examples:
 
   A board of 10 x 7 squares has 9x6 inner corners. Quote the patterns, or the shell expands them.
   DIR then holds left.yaml and right.yaml (camera_info), stereo.yaml (OpenCV, in metres), and
-  calibration.yaml: all of it with uncertainties, the evidence and the verdict."""
+  calibration.yaml: all of it with uncertainties, the evidence and the verdict; and
+  calibration_report.html, a page with tables and pictures, which is written for a refused calibration too."""
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -85,24 +90,47 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Calibrate, write the files and print the report.
 
-    Raises StereoPickError, and writes nothing, where the images give no rig to be trusted.
+    Raises StereoPickError where the images give no rig to be trusted. Then no calibration is written,
+    but the page that says why, if a board was found at all.
     """
     board = parse_board(args.board, args.square)
     if args.output.exists() and not args.output.is_dir():
         raise CalibrationError(f"--output {args.output} is a file: name a folder")
     images, input_notes = _images(args, board)
-    result = calibrate_best(detect(images, board), board)
-    if args.baseline is not None:
-        check_baseline(result, args.baseline)
-    verdict = judge(result)
-    if verdict.word is Word.REFUSED:
-        raise CalibrationError(f"calibration {verdict}")
+    found = detect(images, board)
     try:
-        written = [*save_rig(result.rig, args.output), save_record(result, args.output)]
+        result = calibrate_best(found, board)
+    except CalibrationError as error:
+        raise _refused(str(error), refusal_page(str(error), board, found), args.output) from None
+    notes = [*input_notes, *result.warnings]
+    verdict = _verdict(result, args.baseline)
+    page = calibration_page(result, verdict, notes, _example(result, images))
+    if verdict.word is Word.REFUSED:
+        raise _refused("; ".join(verdict.reasons), page, args.output)
+    try:
+        written = [*save_rig(result.rig, args.output), save_record(result, args.output), save_page(page, args.output)]
     except OSError as error:
         raise CalibrationError(f"--output {args.output} cannot be written: {error.strerror}") from None
-    print(report(result, verdict, [*input_notes, *result.warnings], written))
+    print(report(result, verdict, notes, written))
     return 0
+
+
+def _verdict(result: CalibrationResult, baseline_m: float | None) -> Verdict:
+    """The verdict on the evidence, and on the baseline that was measured on the rig."""
+    if baseline_m is not None:
+        try:
+            check_baseline(result, baseline_m)
+        except CalibrationError as error:
+            return Verdict(Word.REFUSED, (str(error),))
+    return judge(result)
+
+
+def _refused(reason: str, page: str, output: Path) -> CalibrationError:
+    """The error of a refused calibration, with the path of the page that shows why where it can be written."""
+    try:
+        return CalibrationError(f"calibration refused: {reason}; see {save_page(page, output)}")
+    except OSError:
+        return CalibrationError(f"calibration refused: {reason}")
 
 
 def _images(args: argparse.Namespace, board: Board) -> tuple[Iterable[BoardImages], list[str]]:
@@ -112,12 +140,28 @@ def _images(args: argparse.Namespace, board: Board) -> tuple[Iterable[BoardImage
             raise ParameterError("--left needs --right, and topics need --bag: give --left and --right, or --bag")
         pairs = pair_files(find_files(args.left, "--left"), find_files(args.right, "--right"))
         note = disagreement(pairs)
-        return _read(pairs), [note] if note else []
+        return _Files(pairs), [note] if note else []
     if args.right is not None:
         raise ParameterError("--right goes with --left, not with --bag: name topics by --left-topic and --right-topic")
     recorded = choose_pairs(args.bag, board, args.left_topic, args.right_topic)
     print(f"{'bag':<10}{recorded.summary}")
     return recorded, []
+
+
+def _example(result: CalibrationResult, images: Iterable[BoardImages]) -> BoardImages | None:
+    """The images of the pair that the page shows; None where several pairs have its name."""
+    named = [pair for pair in images if pair.name == typical_view(result).name]
+    return named[0] if len(named) == 1 else None
+
+
+@dataclass(frozen=True)
+class _Files:
+    """Image files, read anew at each iteration."""
+
+    pairs: Sequence[FilePair]
+
+    def __iter__(self) -> Iterator[BoardImages]:
+        return _read(self.pairs)
 
 
 def _read(pairs: Sequence[FilePair]) -> Iterator[BoardImages]:

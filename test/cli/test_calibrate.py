@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from page_reading import parsed, tables, words
 
 from stereo_pick.cli import calibrate
 from stereo_pick.cli.image_pairs import disagreement, find_files, pair_files
@@ -64,7 +65,7 @@ def images(rendered: Path, tmp_path: Path) -> Path:
 def refusal(folder: Path, left: str, right: str, board: str = "7x5", square: str = "0.03") -> str:
     with pytest.raises(StereoPickError) as caught:
         run_on(folder, left, right, board, square)
-    assert not (folder / "rig").exists()
+    assert not list((folder / "rig").glob("*.yaml"))
     message = str(caught.value)
     assert "\n" not in message
     return message
@@ -191,7 +192,7 @@ def test_recording_from_one_camera_is_refused(shared_data: Path, tmp_path: Path)
             *("--left", f"{folder}/cl_calib_*", "--right", f"{folder}/cr_calib_*"),
             *("--board", "9x6", "--square", "0.025", "--output", str(tmp_path / "rig")),
         )
-    assert not (tmp_path / "rig").exists()
+    assert [file.name for file in (tmp_path / "rig").iterdir()] == ["calibration_report.html"]
 
 
 def test_record_beside_the_rig_reads_back(images: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -208,4 +209,45 @@ def test_baseline_measured_on_the_rig_contradicts_a_wrong_square(images: Path) -
     patterns = ("--left", f"{images}/left*.png", "--right", f"{images}/right*.png", "--board", "7x5")
     with pytest.raises(StereoPickError, match="is the square really 36 mm"):
         run(*patterns, "--square", "0.036", "--output", f"{images}/rig", "--baseline", "0.06")
+    page = report(images)
+    assert "refused" in page and "is the square really 36 mm" in page and "Rms residuals" in page
+    assert not list((images / "rig").glob("*.yaml"))
     assert run(*patterns, "--square", "0.03", "--output", f"{images}/rig", "--baseline", "0.06") == 0
+
+
+def report(folder: Path) -> str:
+    return (folder / "rig/calibration_report.html").read_text(encoding="utf-8")
+
+
+def test_report_page_is_written_beside_the_rig(images: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run_on(images, "left*.png", "right*.png")
+    assert f"written   {images}/rig/calibration_report.html" in capsys.readouterr().out
+    root = parsed(report(images))
+    assert [row[0] for row in tables(root)["Pairs used and left out"]] == [
+        f"left{i}.png + right{i}.png" for i in range(1, 10)
+    ]
+    assert [each.get("href")[:23] for each in root.iter("image")] == ["data:image/jpeg;base64,"] * 2
+
+
+def test_refused_recording_has_a_page_that_says_why(images: Path) -> None:
+    message = refusal(images, "left*.png", "left*.png")
+    assert message.endswith(f"see {images}/rig/calibration_report.html")
+    (reason,) = [item.text for item in parsed(report(images)).iter("li")]
+    assert "both cameras see from the same place" in reason
+    assert reason in message
+
+
+def test_pair_with_a_hostile_name_stays_text_in_the_page(images: Path) -> None:
+    (images / "left5.png").rename(images / "left5<script>alert('&amp;')<!--.png")
+    run_on(images, "left*.png", "right*.png")
+    root = parsed(report(images))
+    assert "left5<script>alert('&amp;')<!--.png + right5.png" in words(root)
+    assert list(root.iter("script")) == []
+
+
+def test_refusal_is_said_also_where_its_page_cannot_be_written(images: Path) -> None:
+    (images / "rig").mkdir()
+    (images / "rig/calibration_report.html").mkdir()
+    message = refusal(images, "left*.png", "left*.png")
+    assert "both cameras see from the same place" in message
+    assert "calibration_report" not in message

@@ -104,6 +104,7 @@ def test_a_charuco_board_may_leave_the_image(
     assert main(["calibrate", "--bag", bag, *options]) == 0
     assert "ChArUco board of 8x6 squares (markers of 0.75 squares from 4X4_50), " in capsys.readouterr().out
     assert load_rig(output).baseline_m == pytest.approx(0.06, abs=0.0005)
+    assert "ChArUco board of 8x6 squares" in (output / "calibration_report.html").read_text(encoding="utf-8")
 
 
 def test_topics_may_be_named(rendered: Pairs, tmp_path: Path) -> None:
@@ -132,7 +133,7 @@ def test_what_gives_no_rig_is_refused(
         write_bag(tmp_path / "bag", pairs)
     assert run(tmp_path / "bag") == 1
     assert message in capsys.readouterr().err
-    assert not (tmp_path / "rig").exists()
+    assert list((tmp_path / "rig").glob("*.yaml")) == []
 
 
 @pytest.mark.parametrize(
