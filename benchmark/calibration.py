@@ -19,6 +19,7 @@ from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.detection import BoardImages, detect
 from stereo_pick.core.calibration.held_out import FOLDS, Cameras, HeldOut, epipolar_px, length_errors_m
 from stereo_pick.core.calibration.parameters import transform
+from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.solving import calibrate_best
 from stereo_pick.core.calibration.views import BoardView
 from stereo_pick.core.camera import Camera
@@ -61,11 +62,16 @@ def main() -> None:
     print(markdown_table(header, rows))
 
 
-def compare(recording: Recording, data: Path) -> Iterator[tuple[str, ...]]:
+def calibrated(recording: Recording, data: Path) -> CalibrationResult:
+    """What `stereo-pick calibrate` makes of a recording."""
     folder, board = data / recording.name, recording.board
     files = zip(sorted(folder.glob(recording.left)), sorted(folder.glob(recording.right)))
     images = (BoardImages(left.name, left.name, right.name, *map(read, (left, right))) for left, right in files)
-    result = calibrate_best(detect(images, board), board)
+    return calibrate_best(detect(images, board), board)
+
+
+def compare(recording: Recording, data: Path) -> Iterator[tuple[str, ...]]:
+    result, board = calibrated(recording, data), recording.board
     assert result.held_out is not None
     size_px = result.solution.size_px
     opencv = hold_out(board, result.views, lambda views: fixed_intrinsics(board, views, size_px))

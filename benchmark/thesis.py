@@ -1,4 +1,4 @@
-"""What the thesis printed, and the same tables from this project's scenes."""
+"""Tables 3.14 to 3.16 of the thesis beside the same from this project's scenes."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import statistics
 from collections.abc import Sequence
 
 import numpy as np
-from formatting import Row, decimals, markdown_table
+from formatting import Row, Section, decimals, markdown_table
 from rivals import FEATURE, THESIS_FEATURE
 from scoring import Score, of
+from thesis_printed import TABLE_3_14, TABLE_3_15_LEFT_PX, TABLE_3_15_RIGHT_PX, TABLE_3_16_CM
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.correspondences import Correspondences
@@ -16,34 +17,30 @@ from stereo_pick.core.depth_report import DepthError
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.triangulation import Points, Triangulator
 
-_TABLE_3_14_MM = ((100, 101), (65, 64.3), (190, 188.3), (155, 154.3), (125, 123.7), (35, 32.1), (240, 239.6))
-_TABLE_3_16_MM = {(1, 2): (120, 121.8), (1, 3): (50, 47.6), (2, 3): (170, 168.8), (1, 4): (75, 75.7)}
-_TABLE_3_15_LEFT_PX = np.array([(62.37, 410.94), (176.12, 438.88), (303.98, 395.26), (422.89, 420.57)])
-_TABLE_3_15_RIGHT_PX = np.array([(143.80, 286.43), (195.9, 316.56), (375.615, 276.477), (443.94, 306.36)])
 _SOURCES = (FEATURE, THESIS_FEATURE)
 
 
-def table_3_14(scores: Sequence[Score]) -> str:
+def table_3_14(scores: Sequence[Score]) -> Section:
     """Depth between two cylinders in seven cases."""
     cases = [f"table_3_14/case_{number}" for number in range(1, 8)]
     measured = [[_depth(scores, name, case, 1, 2) for name in _SOURCES] for case in cases]
-    printed = [DepthError("", actual / 1000, calculated / 1000) for actual, calculated in _TABLE_3_14_MM]
+    printed = [DepthError("", actual / 100, calculated / 100) for _, actual, calculated, *_ in TABLE_3_14]
     return _depth_table([f"case {number}" for number in range(1, 8)], measured, printed)
 
 
-def table_3_16(scores: Sequence[Score]) -> str:
+def table_3_16(scores: Sequence[Score]) -> Section:
     """Depth between four cylinders."""
-    measured = [[_depth(scores, name, "table_3_16/case_1", *pair) for name in _SOURCES] for pair in _TABLE_3_16_MM]
-    printed = [DepthError("", actual / 1000, calculated / 1000) for actual, calculated in _TABLE_3_16_MM.values()]
-    return _depth_table([f"{first} and {second}" for first, second in _TABLE_3_16_MM], measured, printed)
+    measured = [[_depth(scores, name, "table_3_16/case_1", *pair) for name in _SOURCES] for pair in TABLE_3_16_CM]
+    printed = [DepthError("", actual / 100, calculated / 100) for calculated, actual in TABLE_3_16_CM.values()]
+    return _depth_table([f"{first} and {second}" for first, second in TABLE_3_16_CM], measured, printed)
 
 
 def table_3_15(rig: StereoRig) -> str:
     """What becomes of the thesis's printed centroids under its printed calibration, which is that of the scenes."""
-    count = len(_TABLE_3_15_LEFT_PX)
+    count = len(TABLE_3_15_LEFT_PX)
     correspondences = Correspondences(
-        left_px=rig.left.rectified(_TABLE_3_15_LEFT_PX),
-        right_px=rig.right.rectified(_TABLE_3_15_RIGHT_PX),
+        left_px=rig.left.rectified(TABLE_3_15_LEFT_PX),
+        right_px=rig.right.rectified(TABLE_3_15_RIGHT_PX),
         sigma_px=np.ones((count, 2)),
         size_px=np.ones((count, 2)),
         direction_rad=np.zeros(count),
@@ -79,7 +76,7 @@ def _depth(scores: Sequence[Score], contender: str, scene: str, first: int, seco
 
 def _depth_table(
     names: Sequence[str], measured: Sequence[Sequence[DepthError | None]], printed: Sequence[DepthError]
-) -> str:
+) -> Section:
     sources = (*_SOURCES, "printed in the thesis")
     header = ["", "actual mm"]
     for source in sources:
@@ -95,7 +92,10 @@ def _depth_table(
             errors_mm = [depth.error_m * 1000 for depth in column if depth is not None]
             cells += ["", decimals(extreme(errors_mm), 2) if errors_mm else "–", ""]
         rows.append(cells)
-    return markdown_table(header, rows)
+    headline = (
+        f"`feature` mean {rows[-1][3]}, max {rows[-3][3]} mm; the thesis's method {rows[-1][6]}, {rows[-3][6]} mm"
+    )
+    return Section(headline, markdown_table(header, rows))
 
 
 def _cells(depth: DepthError | None) -> tuple[str, str, str]:

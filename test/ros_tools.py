@@ -146,14 +146,14 @@ class Graph:
         """Set one parameter of a node by its service, as `ros2 param set` does."""
         message: ParameterMessage = Parameter(name, value=value).to_parameter_msg()
         request = SetParameters.Request(parameters=[message])
-        return self._ask(SetParameters, f"{node}/set_parameters", request).results[0]
+        return self.ask(SetParameters, f"{node}/set_parameters", request).results[0]
 
     def get_parameter(self, node: str, name: str) -> Any:
         """Ask for one parameter of a node by its service, as `ros2 param get` does."""
         request = GetParameters.Request(names=[name])
-        return parameter_value_to_python(self._ask(GetParameters, f"{node}/get_parameters", request).values[0])
+        return parameter_value_to_python(self.ask(GetParameters, f"{node}/get_parameters", request).values[0])
 
-    def _ask(self, kind: Any, name: str, request: Any) -> Any:
+    def ask(self, kind: Any, name: str, request: Any) -> Any:
         client = self.node.create_client(kind, name)
         self.wait(client.service_is_ready, f"service {name}")
         future = client.call_async(request)

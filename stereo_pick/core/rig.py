@@ -94,7 +94,7 @@ def extrinsics(left: Camera, right: Camera) -> Transform:
             f"baseline -P[0,3] / fx of the right camera = {-shift[0]:.4f} m is negative: left and right are swapped; "
             "exchange the two cameras, or calibrate again"
         )
-    # A file's rounded R is no rotation to the last digit: made one here, the rig survives its own camera_info unchanged.
+    # A file's rounded R is no rotation to the last digit: made one here, the rig survives its own camera_info.
     U, _, Vt = np.linalg.svd(right.R.T @ left.R)
     return Transform(U @ Vt, right.R.T @ shift)
 

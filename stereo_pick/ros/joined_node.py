@@ -59,5 +59,6 @@ class JoinedNode(StepNode):
 
     def _on_joined(self, messages: dict[str, Any]) -> None:
         rig = self._rigs.rig_of([messages[CAMERA_INFO_RECT[side].name] for side in SIDES])
+        self.rig = rig
         self.process(messages, rig)
         self._processed += 1

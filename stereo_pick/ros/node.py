@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from copy import copy
+from dataclasses import replace
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
@@ -13,12 +14,15 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
+from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.errors import StereoPickError
 from stereo_pick.core.params import Parameter
+from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status, diagnostics_message, kind
 from stereo_pick.ros.parameters import LiveParameters, Values
 from stereo_pick.ros.topics import DIAGNOSTICS, Topic
 
+CALIBRATION_HASH = "calibration_hash"
 _DIAGNOSTICS_PERIOD_S = 1.0
 
 
@@ -30,6 +34,7 @@ class StepNode(Node):
     """
 
     finished = False
+    rig: StereoRig | None = None  # that of the node's last camera_info; its hash goes into the diagnostics
 
     def __init__(self, name: str, context: Context, parameters: Mapping[str, Parameter]) -> None:
         super().__init__(name, context=context)
@@ -70,6 +75,8 @@ class StepNode(Node):
         """Publish the node's status, and log it where it is new and not OK."""
         status = self.status() if self._error is None else Status(ERROR, str(self._error))
         self._error = None
+        if self.rig is not None:
+            status = replace(status, values={**status.values, CALIBRATION_HASH: calibration_hash(self.rig)})
         self._log(status)
         now_ns = self.get_clock().now().nanoseconds
         self._diagnostics.publish(diagnostics_message(f"stereo_pick: {self.get_name()}", status, now_ns))

@@ -322,7 +322,6 @@ BAD_CALIBRATIONS: dict[str, tuple[Callable[[Path], Path], list[str]]] = {
         ["left.yaml", "holds inf", "finite"],
     ),
     "absent": (lambda path: path, ["no such calibration folder"]),
-    "empty folder": (lambda path: path.mkdir() or path, ["left.yaml and right.yaml", "empty"]),
 }
 
 
@@ -333,14 +332,24 @@ def test_a_calibration_that_cannot_be_is_refused_by_every_command_and_by_the_nod
     make, parts = BAD_CALIBRATIONS[case]
     rig = make(tmp_path / "rig")
     capture = system.start_node("capture", {"source": good.bag, "calibration": rig})
+    refused_by_every_command(good, rig, parts)
+    assert capture.wait() == 1
+    (told,) = capture.output.splitlines()
+    the_line(told, [str(rig), *parts])
+
+
+def refused_by_every_command(good: Good, rig: Path, parts: list[str]) -> None:
     images = [good.images / f"{side}00.png" for side in ("left", "right")]
     for arguments in (["locate", *images], ["replay", good.bag], ["run", "--source", good.bag]):
         done = stereo_pick(*arguments, "--calibration", rig)
         the_line(done.error, [str(rig), *parts])
         assert done.stdout == ""
-    assert capture.wait() == 1
-    (told,) = capture.output.splitlines()
-    the_line(told, [str(rig), *parts])
+
+
+def test_an_empty_folder_for_a_calibration_is_refused_by_every_command(good: Good, tmp_path: Path) -> None:
+    """Not by the capture node, where set_camera_info may fill it."""
+    (tmp_path / "rig").mkdir()
+    refused_by_every_command(good, tmp_path / "rig", ["left.yaml and right.yaml", "empty"])
 
 
 def test_an_uncalibrated_camera_in_the_bag_is_named(good: Good, tmp_path: Path) -> None:

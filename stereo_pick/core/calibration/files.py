@@ -6,7 +6,8 @@ OpenCV's K1 D1 K2 D2 R T with `X_right = R X_left + T`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import os
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -46,6 +47,15 @@ def load_rig(path: Path) -> StereoRig:
     raise CalibrationError(
         f"{path} holds neither left.yaml and right.yaml nor stereo.yaml, " + (f"but {have}" if have else "it is empty")
     )
+
+
+def load_cameras(path: Path) -> tuple[Camera, Camera]:
+    """The two cameras of what `load_rig` reads, with R and P as they stand in left.yaml and right.yaml."""
+    rig = load_rig(path)
+    left, right = path / "left.yaml", path / "right.yaml"
+    if left.is_file() and right.is_file():
+        return load_camera_info(left), load_camera_info(right)
+    return rig.left, rig.right
 
 
 def load_camera_info(path: Path) -> Camera:
@@ -124,11 +134,40 @@ def save_rig(rig: StereoRig, folder: Path) -> list[Path]:
     paths = []
     for side, camera in (("left", rig.left), ("right", rig.right)):
         path = folder / f"{side}.yaml"
-        path.write_text(yaml.safe_dump(camera_to_mapping(camera), sort_keys=False, default_flow_style=None, width=200))
+        path.write_text(_camera_info_text(camera))
         paths.append(path)
     paths.append(folder / "stereo.yaml")
     _save_opencv(rig, paths[-1])
     return paths
+
+
+def save_cameras(pair: Mapping[str, Camera], folder: Path, sides: Iterable[str] = ("left", "right")) -> None:
+    """Write `left.yaml` and `right.yaml` (those of `sides`) as the cameras are, and a stereo.yaml that is there anew.
+
+    Each file is the old one or the new one at any moment. Raises CalibrationError where they cannot be written.
+    """
+    drafts: dict[Path, Path] = {}
+    try:
+        for side in sides:
+            draft = drafts[folder / f"{side}.yaml"] = folder / f".{side}.new.yaml"
+            draft.write_text(_camera_info_text(pair[side]))
+        if (folder / "stereo.yaml").is_file():
+            draft = drafts[folder / "stereo.yaml"] = folder / ".stereo.new.yaml"
+            _save_opencv(StereoRig.from_cameras(pair["left"], pair["right"]), draft)
+        for path, draft in drafts.items():
+            with draft.open("rb") as written:
+                os.fsync(written.fileno())
+            draft.replace(path)
+    except OSError as error:
+        raise CalibrationError(f"{folder} cannot be written: {error.strerror}") from None
+    finally:
+        for draft in drafts.values():
+            if draft.is_file():
+                draft.unlink()
+
+
+def _camera_info_text(camera: Camera) -> str:
+    return yaml.safe_dump(camera_to_mapping(camera), sort_keys=False, default_flow_style=None, width=200)
 
 
 def load_opencv(path: Path) -> StereoRig:

@@ -42,6 +42,14 @@ class CalibrationRecord:
         """The hash of the rig: that of the camera_info which were written beside this file."""
         return calibration_hash(StereoRig.from_extrinsics(*self.uncertainty.cameras))
 
+    def check(self, rig: StereoRig, path: Path) -> None:
+        """Raise CalibrationError, naming the file at `path`, where this is the record of another calibration."""
+        if self.calibration_hash != calibration_hash(rig):
+            raise CalibrationError(
+                f"{path} is of another calibration ({self.calibration_hash}) than the camera_info in use "
+                f"({calibration_hash(rig)}): take both from one `stereo-pick calibrate`"
+            )
+
 
 def save_record(result: CalibrationResult, folder: Path) -> Path:
     """Write calibration.yaml into `folder`; returns its path."""
@@ -75,6 +83,16 @@ def load_record(path: Path) -> CalibrationRecord:
         raise CalibrationError(f"{path}: {error}") from None
     except (KeyError, TypeError, ValueError) as error:
         raise CalibrationError(f"{path}: is incomplete: {error}") from None
+
+
+def record_of(path: Path, rig: StereoRig) -> CalibrationRecord:
+    """Read the calibration.yaml that belongs to a rig.
+
+    Raises CalibrationError as `load_record` does, and where the file is of another calibration.
+    """
+    record = load_record(path)
+    record.check(rig, path)
+    return record
 
 
 def _content(result: CalibrationResult) -> dict[str, Any]:

@@ -11,11 +11,10 @@ from pathlib import Path
 from rclpy.context import Context
 from rosgraph_msgs.msg import Clock
 
-from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.configuration import configured, declared
-from stereo_pick.core.errors import ParameterError, SourceError, StereoPickError
+from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.params import Configurable, parameter
-from stereo_pick.core.rig import StereoRig
+from stereo_pick.ros.calibration_in_use import CalibrationInUse
 from stereo_pick.ros.messages.cameras import camera_info_message
 from stereo_pick.ros.messages.diagnostics import OK, WARN, Status
 from stereo_pick.ros.messages.images import buffer_message
@@ -41,7 +40,8 @@ class CaptureOptions(Configurable):
     )
     calibration: str = parameter(
         "",
-        "Folder with left.yaml and right.yaml, or an OpenCV YAML file; empty takes the bag's own camera_info.",
+        "Folder with left.yaml and right.yaml, in which set_camera_info saves (a folder without files waits for it), "
+        "or an OpenCV YAML file; empty takes the bag's own camera_info.",
         fixed=True,
     )
     left_topic: str = parameter("", "The bag's topic of left images; empty finds it by its name.", fixed=True)
@@ -76,9 +76,10 @@ class CaptureNode(StepNode):
         if not self._options.source:
             raise ParameterError("parameter source is empty: give a bag or a folder of image pairs")
         self._source = _opened(self._options)
-        self._rig = _calibration(self._options, self._source)
         self._pairs: Iterator[SourcePair] = iter(self._source)
         self._next: SourcePair | None = next(self._pairs, None)
+        calibration, recording, size_px = self._options.calibration, self._options.source, _size_px(self._next)
+        self._calibration = CalibrationInUse(self, calibration, recording, self._source, size_px)
         self._replay_clock = ReplayClock(self._options.rate)
         self._published = 0
         self._started_ns = self.steady_clock.now().nanoseconds
@@ -100,9 +101,12 @@ class CaptureNode(StepNode):
             self._replay_clock.set_rate(configured.rate, self.steady_clock.now().nanoseconds)
 
     def status(self) -> Status:
-        """How far the replay is."""
+        """How far the replay is, or what its calibration lacks."""
+        self.rig = self._calibration.rig
         if self._published == 0:
             return Status(WARN, "waiting for subscribers of the images")
+        if trouble := self._calibration.trouble():
+            return Status(WARN, trouble)
         state = "finished" if self._ended_ns is not None else "replaying"
         return Status(OK, f"{state} {self._options.source}: {self._published} pairs published")
 
@@ -159,14 +163,15 @@ class CaptureNode(StepNode):
         stamp_ns = self._stamp_ns(pair)
         if self._options.publish_clock:
             self._clock_topic.publish(Clock(clock=time_message(stamp_ns)))
-        cameras = {"left": self._rig.left, "right": self._rig.right}
+        cameras = self._calibration.cameras
         buffers = {"left": pair.left, "right": pair.right}
         frame_ids = {
             "left": self._options.left_frame_id or pair.left_frame_id or "left_camera_optical_frame",
             "right": self._options.right_frame_id or pair.right_frame_id or "right_camera_optical_frame",
         }
         for side in SIDES:
-            self._infos[side].publish(camera_info_message(cameras[side], stamp_ns, frame_ids[side]))
+            if side in cameras:
+                self._infos[side].publish(camera_info_message(cameras[side], stamp_ns, frame_ids[side]))
             self._images[side].publish(buffer_message(buffers[side], stamp_ns, frame_ids[side]))
         self._published += 1
 
@@ -185,12 +190,8 @@ def _opened(options: CaptureOptions) -> StereoSource:
     )
 
 
-def _calibration(options: CaptureOptions, source: StereoSource) -> StereoRig:
-    if options.calibration:
-        return load_rig(Path(options.calibration))
-    if source.cameras is None:
-        raise SourceError(f"{options.source} holds no camera_info: give the parameter calibration")
-    return StereoRig.from_cameras(*source.cameras)
+def _size_px(pair: SourcePair | None) -> tuple[int, int]:
+    return (pair.left.width_px, pair.left.height_px) if pair is not None else (0, 0)
 
 
 def main(args: list[str] | None = None) -> int:

@@ -124,10 +124,11 @@ class RectificationNode(StepNode):
                 self._rectify(pair)
 
     def _calibrate(self) -> None:
-        self._rectifier = self._refused = None
+        self._rectifier = self._refused = self.rig = None
         try:
             left, right = (camera_of(self._infos[name], name) for name in SIDES)
-            self._rectifier = Rectifier(StereoRig.from_cameras(left, right))
+            self.rig = StereoRig.from_cameras(left, right)
+            self._rectifier = Rectifier(self.rig)
         except StereoPickError as error:
             self._refused = error
             raise
