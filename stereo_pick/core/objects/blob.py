@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import cv2
@@ -18,13 +18,15 @@ class Blob:
 
     contour_px: (N, 2) [px], sub-pixel, pixel centres at whole numbers; contrast: grey levels by
     which the object differs from its background; cut: whether the image border cuts it off;
-    fault: why it must not be matched, a reason of `refusal.REASONS`, or empty.
+    fault: why it must not be matched, a reason of `refusal.REASONS`, or empty; sharpness: (N,), how much of the
+    change of light at each contour point is a step (see `edge_model`), or (0,) where that was not measured.
     """
 
     contour_px: Floats
     contrast: float
     cut: bool = False
     fault: str = ""
+    sharpness: Floats = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         contour = floats("contour_px", self.contour_px, None, 2)

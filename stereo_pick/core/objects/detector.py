@@ -8,7 +8,7 @@ from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.blob import Blob, Blobs
 from stereo_pick.core.objects.foreground import Contrast, foreground, measure_contrast
 from stereo_pick.core.objects.outline import outlines
-from stereo_pick.core.objects.silhouette import refine_contour
+from stereo_pick.core.objects.silhouette import trace_silhouettes
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.params import Configurable, parameter
 
@@ -63,7 +63,8 @@ class Detector(Configurable):
         With polarity = auto both views are read both ways, and the way with more contrast energy
         (area x contrast²) wins, for both views together: a shadow is a weaker mark than its object.
         """
-        views = View.of(pair.left, pair.rig.left), View.of(pair.right, pair.rig.right)
+        reduction = None if self.subpixel and self.threshold == "background" else 1
+        views = View.of(pair.left, pair.rig.left, reduction), View.of(pair.right, pair.rig.right, reduction)
         contrasts = [
             measure_contrast(view, self.threshold, self.fixed_threshold, self.threshold_sigma) for view in views
         ]
@@ -97,16 +98,20 @@ class Detector(Configurable):
         """The objects with refined outlines, and with their faults."""
         strongest = max((blob.contrast for blob in blobs), default=0.0)
         least = max(float(self.min_contrast), self.min_relative_contrast * strongest)
-        return tuple(
-            replace(blob, fault="faint") if blob.contrast < least else self._outlined(blob, view, contrast)
-            for blob in blobs
-        )
+        clear = [blob for blob in blobs if blob.contrast >= least]
+        outlined = {id(blob): self._checked(refined) for blob, refined in zip(clear, self._refined(clear, view, contrast))}
+        return tuple(outlined.get(id(blob), replace(blob, fault="faint")) for blob in blobs)
 
-    def _outlined(self, blob: Blob, view: View, contrast: Contrast) -> Blob:
-        contour_px = blob.contour_px
-        if self.subpixel:
-            contour_px = refine_contour(view.sharp, contour_px, _MIN_EDGE_SIGMA * contrast.noise)
-        blob = replace(blob, contour_px=contour_px)
+    def _refined(self, blobs: list[Blob], view: View, contrast: Contrast) -> list[Blob]:
+        if not self.subpixel or not blobs:
+            return blobs
+        traced = trace_silhouettes(view.image, [blob.contour_px for blob in blobs], _MIN_EDGE_SIGMA * contrast.noise)
+        return [
+            replace(blob, contour_px=silhouette.points_px, sharpness=silhouette.sharpness)
+            for blob, silhouette in zip(blobs, traced)
+        ]
+
+    def _checked(self, blob: Blob) -> Blob:
         if blob.cut:
             return replace(blob, fault="cut_by_border")
         return replace(blob, fault="merged") if blob.concavity > self.max_concavity else blob

@@ -15,7 +15,12 @@ from stereo_pick.core.objects.view import View
 
 
 def outlines(view: View, fore: Foreground, min_area_px: int, closing_px: int) -> Iterator[Blob]:
-    """Yield the objects of one view; their contours run through the centres of their outermost pixels."""
+    """Yield the objects of one view; their contours run through the centres of their outermost pixels.
+
+    min_area_px and closing_px are those of the view in full size.
+    """
+    min_area_px = max(1, round(min_area_px / view.reduction**2))
+    closing_px = 2 * (closing_px // (2 * view.reduction)) + 1 if closing_px else 0
     mask = cv2.medianBlur(fore.mask.astype(np.uint8), 3)  # salt and pepper
     contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)  # 8-connected
     for outer in contours:
@@ -28,7 +33,7 @@ def outlines(view: View, fore: Foreground, min_area_px: int, closing_px: int) ->
             continue
         for pixels, contrast in _trimmed(member, fore.excess[window], fore.trim, min_area_px, closing_px):
             contour = _outer_contour(pixels) + (x - closing_px, y - closing_px)
-            yield Blob(contour, contrast, cut=_leaves(view, contour))
+            yield Blob(view.full_px(contour), contrast, cut=_leaves(view, contour))
 
 
 def _trimmed(
@@ -59,5 +64,5 @@ def _outer_contour(pixels: NDArray[np.uint8]) -> Floats:
 
 
 def _leaves(view: View, contour: Floats) -> bool:
-    columns, rows = contour.astype(np.int64).T
+    rows, columns = (np.clip(contour[:, axis], 0, view.core.shape[1 - axis] - 1).astype(np.int64) for axis in (1, 0))
     return not bool(view.core[rows, columns].all())

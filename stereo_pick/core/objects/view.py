@@ -9,49 +9,70 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Bools, Image
+from stereo_pick.core.arrays import Bools, Floats, Image
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.rectified_view import valid_region
 
-_SMOOTHING_PX = 0.8
-_EDGE_SMOOTHING_PX = 0.5
+_SMOOTHING_PX = 0.8  # of the reduced view
+_REDUCED_PX = 640 * 480  # objects are found on a view of at most about so many pixels ...
+_MAX_REDUCTION = 3  # ... but one of min_area_px must still show there
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """smooth: (H, W) grey, noise reduced, for finding objects; sharp: (H, W) grey, for placing their edges;
-    inside: (H, W), where the raw image covers the rectified one; core: the same less its outermost pixel."""
+    """image: (H, W), where edges are placed; smooth: (h, w) grey, reduced in size and in noise, where objects are
+    found; inside: (h, w), where the raw image covers the view; core: the same less its outermost pixel;
+    reduction: H / h."""
 
+    image: Image
     smooth: NDArray[np.float32]
-    sharp: NDArray[np.float32]
     inside: Bools
     core: Bools
+    reduction: int
 
     @staticmethod
-    def of(image: Image, camera: Camera) -> View:
+    def of(image: Image, camera: Camera, reduction: int | None = None) -> View:
         """Prepare one image (H, W) of a rectified pair."""
-        inside = valid_region(camera)
-        masked = np.where(inside, image, 0).astype(np.float32)
-        return View(
-            smooth=_blurred(masked, _SMOOTHING_PX) / _coverage(camera, _SMOOTHING_PX),
-            sharp=_blurred(masked, _EDGE_SMOOTHING_PX) / _coverage(camera, _EDGE_SMOOTHING_PX),
-            inside=inside,
-            core=_core(camera),
-        )
+        if reduction is None:
+            reduction = _reduction(camera)
+        inside, coverage, core = _masks(camera, reduction)
+        covered = cv2.bitwise_and(image, image, mask=_mask(camera))
+        small = _blurred(_reduced(np.asarray(covered), reduction)) / coverage
+        return View(image, small, inside, core, reduction)
+
+    def full_px(self, reduced_px: Floats) -> Floats:
+        """Points of the reduced view (..., 2) in the view itself [px]."""
+        points: Floats = (reduced_px + 0.5) * self.reduction - 0.5
+        return points
+
+
+def _reduction(camera: Camera) -> int:
+    factor = np.sqrt(camera.width_px * camera.height_px / _REDUCED_PX)
+    return int(np.clip(round(factor), 1, _MAX_REDUCTION))
 
 
 @lru_cache(maxsize=8)
-def _coverage(camera: Camera, sigma_px: float) -> NDArray[np.float32]:
-    """What part of each pixel's smoothing window the raw image covers: the void around it must not darken the rim."""
-    return np.maximum(_blurred(valid_region(camera).astype(np.float32), sigma_px), np.float32(1e-3))
+def _masks(camera: Camera, reduction: int) -> tuple[Bools, NDArray[np.float32], Bools]:
+    """inside and core of a reduced view, and what part of each pixel's smoothing window the raw image covers:
+    the void around the image must not darken its rim."""
+    covered = _reduced(_mask(camera), reduction) / np.float32(255)
+    inside = covered > 0.5
+    least = cv2.erode(inside.astype(np.uint8), np.ones((3, 3), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
+    return inside, np.maximum(_blurred(covered), np.float32(1e-3)), np.asarray(least, np.bool_)
 
 
 @lru_cache(maxsize=8)
-def _core(camera: Camera) -> Bools:
-    mask = valid_region(camera).astype(np.uint8)
-    less = cv2.erode(mask, np.ones((3, 3), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
-    return np.asarray(less, np.bool_)
+def _mask(camera: Camera) -> Image:
+    return valid_region(camera).astype(np.uint8) * np.uint8(255)
 
 
-def _blurred(grey: NDArray[np.float32], sigma_px: float) -> NDArray[np.float32]:
-    return np.asarray(cv2.GaussianBlur(grey, (0, 0), sigma_px, borderType=cv2.BORDER_CONSTANT), np.float32)
+def _reduced(image: Image, reduction: int) -> NDArray[np.float32]:
+    height, width = image.shape[0] // reduction, image.shape[1] // reduction
+    whole = image[: height * reduction, : width * reduction]
+    if reduction == 1:
+        return whole.astype(np.float32)
+    return np.asarray(cv2.resize(whole.astype(np.float32), (width, height), interpolation=cv2.INTER_AREA), np.float32)
+
+
+def _blurred(grey: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.asarray(cv2.GaussianBlur(grey, (0, 0), _SMOOTHING_PX, borderType=cv2.BORDER_CONSTANT), np.float32)

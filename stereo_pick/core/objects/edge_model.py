@@ -1,0 +1,85 @@
+"""Where in a profile of grey levels a surface ends: a blurred step, with the shading of the surface behind it.
+
+The half-way level misplaces the limb of a rounded part by half a pixel: its surface turns away from the light
+towards the limb, so the grey level half-way up belongs to a point well inside.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+
+STEP_PX = 0.5
+OFFSETS_PX = np.arange(-3.0, 4.01, STEP_PX)  # outside to inside
+BLURS_PX = tuple(float(blur) for blur in np.geomspace(0.5, 2.0, 18))
+
+_EDGE_STEP_PX = 0.2
+_EDGES_PX = np.arange(-1.2, 1.21, _EDGE_STEP_PX)
+_FINE_PX = 0.05
+_FREEDOM = len(OFFSETS_PX) - 4
+# Behind the edge of a flat face the light changes linearly with the distance, behind the limb of a round one with
+# its square root (Lambert): one power for both.
+_SHADING_POWER = 0.75
+
+
+@dataclass(frozen=True, eq=False)
+class Edges:
+    """What N profiles show: place_px (N,), where along OFFSETS_PX the surface ends; sharpness (N,), the part of the
+    change of light that happens there at once, 1 at the edge of a flat face, about one half at the limb of a round
+    part, near 0 where light merely fades on a surface; squares (N,), what the model leaves unexplained."""
+
+    place_px: Floats
+    sharpness: Floats
+    squares: Floats
+
+
+def find_edges(profiles: Floats, blur_px: float) -> Edges:
+    """Explain profiles (N, len(OFFSETS_PX)) by least squares: the level outside, a step, the shading behind it, for
+    each of a grid of places."""
+    bases, triangles = _model(blur_px)
+    level = profiles[:, :1]  # large levels cost digits
+    explained = ((profiles - level) @ bases).reshape(len(profiles), len(_EDGES_PX), 3)
+    squares = ((profiles - level) ** 2).sum(axis=1)[:, None] - (explained**2).sum(axis=2)
+    best = np.clip(squares.argmin(axis=1), 1, len(_EDGES_PX) - 2)
+    row = np.arange(len(best))
+    before, at, after = squares[row, best - 1], squares[row, best], squares[row, best + 1]
+    bend = before - 2 * at + after
+    part = np.clip(0.5 * (before - after) / np.where(bend > 0, bend, np.inf), -1.0, 1.0)
+    least = np.maximum(at, 0.0)
+    _, step, shading = (triangles[best] @ explained[row, best][..., None])[..., 0].T
+    noise = 3 * np.sqrt(least / _FREEDOM)
+    sharpness = np.maximum(step, 0.0) / (np.abs(step) + np.abs(shading) + noise + 1e-9)
+    return Edges(_EDGES_PX[best] + part * _EDGE_STEP_PX, sharpness, least)
+
+
+def best_blur_px(profiles: Floats) -> float:
+    """The blur (one sigma) with which these profiles (N, len(OFFSETS_PX)) are explained best, all together."""
+    return min(BLURS_PX, key=lambda blur_px: float(find_edges(profiles, blur_px).squares.sum()))
+
+
+@lru_cache(maxsize=len(BLURS_PX))
+def _model(blur_px: float) -> tuple[Floats, Floats]:
+    """Orthonormal bases (M, 3 E) of the model for each place of the edge, side by side, and the matrices (E, 3, 3)
+    that make of a profile's components its level, step and shading; the shading is that over all of the inside."""
+    bases, triangles = [], []
+    for place_px in _EDGES_PX:
+        inside = OFFSETS_PX - place_px
+        shading = _blurred(_SHADING_POWER, inside, blur_px) / inside[-1] ** _SHADING_POWER
+        model = np.stack([np.ones_like(inside), _blurred(0.0, inside, blur_px), shading], axis=1)
+        basis, triangle = np.linalg.qr(model)
+        bases.append(basis)
+        triangles.append(np.linalg.inv(triangle))
+    return np.concatenate(bases, axis=1), np.stack(triangles)
+
+
+def _blurred(power: float, at_px: Floats, blur_px: float) -> Floats:
+    """`distance ** power` inside the edge, nothing outside, seen through a Gaussian blur."""
+    spread = np.arange(-4 * blur_px, 4 * blur_px, _FINE_PX)
+    weight = np.exp(-0.5 * (spread / blur_px) ** 2)
+    distance = np.maximum(at_px[:, None] - spread, 0.0)
+    grown = np.where(at_px[:, None] > spread, distance**power, 0.0)
+    return np.asarray(grown @ (weight / weight.sum()))
