@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.blob import Blob, Blobs
 from stereo_pick.core.objects.foreground import Contrast, foreground, measure_contrast
 from stereo_pick.core.objects.outline import outlines
+from stereo_pick.core.objects.shadow import clearer, may_hold_shadow, strongest_parts
 from stereo_pick.core.objects.silhouette import trace_silhouettes
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.params import Configurable, parameter
@@ -79,8 +82,8 @@ class Detector(Configurable):
         ]
         best = max(readings, key=_contrast_energy)
         return Blobs(
-            self._finished(best.left, views[0], contrasts[0]),
-            self._finished(best.right, views[1], contrasts[1]),
+            self._finished(best.left, views[0], contrasts[0], best.polarity),
+            self._finished(best.right, views[1], contrasts[1], best.polarity),
             best.polarity,
         )
 
@@ -94,20 +97,33 @@ class Detector(Configurable):
         """The left view's objects in the region of interest; the right view shows it at unknown columns."""
         return tuple(b for b in blobs if _within(b.centroid_px[0], self.roi_x_px, self.roi_width_px))
 
-    def _finished(self, blobs: tuple[Blob, ...], view: View, contrast: Contrast) -> tuple[Blob, ...]:
-        """The objects with refined outlines, and with their faults."""
+    def _finished(self, blobs: tuple[Blob, ...], view: View, contrast: Contrast, polarity: str) -> tuple[Blob, ...]:
+        """The objects with refined outlines, without shadows, and with their faults."""
         strongest = max((blob.contrast for blob in blobs), default=0.0)
         least = max(float(self.min_contrast), self.min_relative_contrast * strongest)
-        clear = [blob for blob in blobs if blob.contrast >= least]
-        outlined = {id(blob): self._checked(refined) for blob, refined in zip(clear, self._refined(clear, view, contrast))}
-        return tuple(outlined.get(id(blob), replace(blob, fault="faint")) for blob in blobs)
+        faint = [replace(blob, fault="faint") for blob in blobs if blob.contrast < least]
+        clear = self._refined([blob for blob in blobs if blob.contrast >= least], view, contrast)
+        if polarity == "dark":
+            clear = self._without_shadows(clear, view, contrast)
+        found = [self._checked(blob) for blob in clear] + faint
+        return tuple(sorted(found, key=lambda blob: float(blob.centroid_px[0])))
+
+    def _without_shadows(self, blobs: list[Blob], view: View, contrast: Contrast) -> list[Blob]:
+        kept = []
+        for blob in blobs:
+            parts = []
+            if may_hold_shadow(blob):
+                parts = list(strongest_parts(blob, view, -contrast.difference, self.min_area_px))
+                parts = self._refined(parts, view, contrast)
+            kept += parts if clearer(parts, blob) else [blob]
+        return kept
 
     def _refined(self, blobs: list[Blob], view: View, contrast: Contrast) -> list[Blob]:
         if not self.subpixel or not blobs:
             return blobs
         traced = trace_silhouettes(view.image, [blob.contour_px for blob in blobs], _MIN_EDGE_SIGMA * contrast.noise)
         return [
-            replace(blob, contour_px=silhouette.points_px, sharpness=silhouette.sharpness)
+            replace(blob, contour_px=silhouette.points_px, sharpness=np.abs(silhouette.sharpness))
             for blob, silhouette in zip(blobs, traced)
         ]
 

@@ -28,11 +28,13 @@ _SHADING_POWER = 0.75
 
 @dataclass(frozen=True, eq=False)
 class Edges:
-    """What N profiles show: place_px (N,), where along OFFSETS_PX the surface ends; sharpness (N,), the part of the
-    change of light that happens there at once, 1 at the edge of a flat face, about one half at the limb of a round
-    part, near 0 where light merely fades on a surface; squares (N,), what the model leaves unexplained."""
+    """What N profiles show: place_px (N,), where along OFFSETS_PX the surface ends; step (N,), by how much it is
+    brighter there than what is outside [grey levels]; sharpness (N,), the part of the change of light that happens
+    there at once, 1 at the edge of a flat face, about one half at the limb of a round part, near 0 where light
+    merely fades on a surface, negative where the inside is the darker one; squares (N,), what the model leaves."""
 
     place_px: Floats
+    step: Floats
     sharpness: Floats
     squares: Floats
 
@@ -52,8 +54,8 @@ def find_edges(profiles: Floats, blur_px: float) -> Edges:
     least = np.maximum(at, 0.0)
     _, step, shading = (triangles[best] @ explained[row, best][..., None])[..., 0].T
     noise = 3 * np.sqrt(least / _FREEDOM)
-    sharpness = np.maximum(step, 0.0) / (np.abs(step) + np.abs(shading) + noise + 1e-9)
-    return Edges(_EDGES_PX[best] + part * _EDGE_STEP_PX, sharpness, least)
+    sharpness = step / (np.abs(step) + np.abs(shading) + noise + 1e-9)
+    return Edges(_EDGES_PX[best] + part * _EDGE_STEP_PX, step, sharpness, least)
 
 
 def best_blur_px(profiles: Floats) -> float:

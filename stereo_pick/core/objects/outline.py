@@ -40,9 +40,24 @@ def _trimmed(
     member: Bools, excess: NDArray[np.float32], trim: float, min_area_px: int, closing_px: int
 ) -> Iterator[tuple[NDArray[np.uint8], float]]:
     """Cut the glow or shadow off a component, close and fill it; yield what is left, in pieces, with their contrast."""
-    kept = (member & (excess > trim * np.median(excess[member]))).astype(np.uint8)
-    kept, excess = np.pad(kept, closing_px), np.pad(excess, closing_px)
-    if closing_px:
+    return _closed(member & (excess > trim * np.median(excess[member])), excess, min_area_px, closing_px)
+
+
+def pieces(
+    view: View, member: Bools, excess: NDArray[np.float32], corner: tuple[int, int], min_area_px: int
+) -> Iterator[Blob]:
+    """Yield the connected parts of a mask whose upper left corner is at this (column, row) of the reduced view."""
+    for pixels, contrast in _closed(member, excess, max(1, round(min_area_px / view.reduction**2)), 1):
+        contour = _outer_contour(pixels) + (corner[0] - 1, corner[1] - 1)
+        yield Blob(view.full_px(contour), contrast, cut=_leaves(view, contour))
+
+
+def _closed(
+    member: Bools, excess: NDArray[np.float32], min_area_px: int, closing_px: int
+) -> Iterator[tuple[NDArray[np.uint8], float]]:
+    """The filled pieces of a mask, padded by closing_px all around, with their contrast."""
+    kept, excess = np.pad(member.astype(np.uint8), closing_px), np.pad(excess, closing_px)
+    if closing_px > 1:
         kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (closing_px, closing_px))
         kept = np.asarray(cv2.morphologyEx(kept, cv2.MORPH_CLOSE, kernel), np.uint8)
     contours, _ = cv2.findContours(kept, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

@@ -1,0 +1,55 @@
+"""Shadows cut off objects: a shadow fades at its rim, an object ends at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stereo_pick.core.objects.blob import Blob
+from stereo_pick.core.objects.outline import pieces
+from stereo_pick.core.objects.view import View
+
+SHARP = 0.25
+"""Sharpness from which a contour point is on an edge, and not where light merely fades."""
+
+_MAY_FADE = 0.05  # part of an outline that may fade before a shadow is looked for
+_MUST_GAIN = 0.5
+
+
+def fading(blob: Blob) -> float:
+    """The part of the outline where light fades instead of ending."""
+    return float((blob.sharpness < SHARP).mean()) if len(blob.sharpness) else 0.0
+
+
+def may_hold_shadow(blob: Blob) -> bool:
+    """Whether so much of the outline fades that it is worth looking for a shadow in it."""
+    return fading(blob) > _MAY_FADE
+
+
+def strongest_parts(blob: Blob, view: View, excess: NDArray[np.float32], min_area_px: int) -> Iterator[Blob]:
+    """The pieces of a blob (its contour in the view's pixels) that stand out most, by Otsu's threshold inside it."""
+    contour = np.round((blob.contour_px + 0.5) / view.reduction - 0.5).astype(np.int32)
+    x, y, width, height = cv2.boundingRect(contour)
+    x, y = max(x, 0), max(y, 0)
+    window = excess[y : y + height, x : x + width]
+    inside = np.zeros(window.shape, np.uint8)
+    cv2.drawContours(inside, [contour - np.array([x, y], np.int32)], -1, 1, cv2.FILLED)
+    member = inside.astype(np.bool_)
+    top = float(window[member].max(initial=0.0))
+    if top <= 0:
+        return
+    grey = np.clip(window[member] * (255 / top), 0, 255).astype(np.uint8)
+    level, _ = cv2.threshold(grey, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
+    yield from pieces(view, member & (window > level / 255 * top), window, (x, y), min_area_px)
+
+
+def clearer(parts: list[Blob], whole: Blob) -> bool:
+    """Whether what is left without the shadow fades much less at its rim than the whole did."""
+    if not parts:
+        return False
+    points = sum(len(part.contour_px) for part in parts)
+    faded = sum(fading(part) * len(part.contour_px) for part in parts) / points
+    return faded < (1 - _MUST_GAIN) * fading(whole)

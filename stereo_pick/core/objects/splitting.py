@@ -1,0 +1,107 @@
+"""Touching parts taken apart by the shape of their common outline.
+
+Only geometry cuts: along shading or a raised threshold a single part would fall to pieces as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.objects.blob import Blob
+
+_MIN_NOTCH = 0.25  # of the deepest one: shallower notches are not where a cut begins
+_BEGINNINGS = 4
+_ENDS = 60  # points of the outline at which a cut may end
+_MIN_PART = 0.1  # of the area
+_MUST_GAIN = 0.5  # part of the missing area (hull less outline) that a cut must explain
+_MAX_PARTS = 6
+
+
+def split(blob: Blob, max_concavity: float) -> list[Blob]:
+    """The convex parts of a blob with notches, or the blob itself where cuts from notch to notch explain no notch.
+
+    The points of a part's contour that lie on a cut are not on an edge of the object: their sharpness is 0.
+    """
+    if blob.concavity <= max_concavity or not len(blob.sharpness):
+        return [blob]
+    parts, whole = [blob], []
+    while parts and len(parts) + len(whole) <= _MAX_PARTS:
+        part = parts.pop()
+        if part.concavity <= max_concavity:
+            whole.append(part)
+            continue
+        halves = _best_cut(part)
+        if halves is None:
+            return [blob]
+        parts += halves
+    return [blob] if parts else whole
+
+
+def _best_cut(blob: Blob) -> tuple[Blob, Blob] | None:
+    """The two parts of least missing area, if that is clearly less than the missing area of the whole."""
+    missing = _missing_area(blob.contour_px)
+    best, least = None, (1 - _MUST_GAIN) * missing
+    for begin, end in _cuts(blob):
+        one, other = _arc(begin, end, len(blob.contour_px)), _arc(end, begin, len(blob.contour_px))
+        areas = [_area(blob.contour_px[arc]) for arc in (one, other)]
+        if min(areas) < _MIN_PART * blob.area_px2:
+            continue
+        left = _missing_area(blob.contour_px[one]) + _missing_area(blob.contour_px[other])
+        left += _cut_length(blob, begin, end) ** 2 * _CUT_COST
+        if left < least:
+            best, least = (one, other), left
+    if best is None:
+        return None
+    return _part(blob, best[0]), _part(blob, best[1])
+
+
+_CUT_COST = 0.02
+
+
+def _cuts(blob: Blob) -> Iterator[tuple[int, int]]:
+    """From each of the deepest notches to points all around the outline, other notches among them."""
+    outline = np.round(blob.contour_px * 16).astype(np.int32)
+    hull = cv2.convexHull(outline, returnPoints=False)
+    hull[::-1].sort(axis=0)
+    defects = cv2.convexityDefects(outline, hull)
+    if defects is None:
+        return
+    deepest = defects[:, 0][np.argsort(-defects[:, 0, 3])][:_BEGINNINGS]
+    notches = [int(point) for _, _, point, depth in deepest if depth >= _MIN_NOTCH * deepest[0, 3]]
+    count = len(outline)
+    around = np.unique(np.linspace(0, count, _ENDS, endpoint=False).astype(int))
+    for k, begin in enumerate(notches):
+        for end in [*notches[k + 1 :], *(int(i) for i in around)]:
+            if min((begin - end) % count, (end - begin) % count) >= 3:
+                yield begin, end
+
+
+def _part(blob: Blob, arc: Floats) -> Blob:
+    """The part inside an arc of the contour and the cut between its ends."""
+    contour, sharpness = blob.contour_px[arc], blob.sharpness[arc]
+    gap = contour[0] - contour[-1]
+    steps = max(int(np.linalg.norm(gap)), 1)
+    cut = contour[-1] + np.arange(1, steps)[:, None] / steps * gap
+    return replace(blob, contour_px=np.concatenate([contour, cut]), sharpness=np.r_[sharpness, np.zeros(len(cut))])
+
+
+def _arc(first: int, last: int, count: int) -> Floats:
+    return np.arange(first, last + 1 if last > first else last + count + 1) % count
+
+
+def _cut_length(blob: Blob, begin: int, end: int) -> float:
+    return float(np.linalg.norm(blob.contour_px[begin] - blob.contour_px[end]))
+
+
+def _missing_area(contour_px: Floats) -> float:
+    """What the convex hull has more than the contour [px²]."""
+    return float(cv2.contourArea(cv2.convexHull(contour_px.astype(np.float32)))) - _area(contour_px)
+
+
+def _area(contour_px: Floats) -> float:
+    return float(cv2.contourArea(contour_px.astype(np.float32)))
