@@ -11,7 +11,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.objects.blob import Blob
 
 _MIN_NOTCH = 0.25  # of the deepest one: shallower notches are not where a cut begins
@@ -29,7 +29,8 @@ def split(blob: Blob, max_concavity: float) -> list[Blob]:
     """
     if blob.concavity <= max_concavity or not len(blob.sharpness):
         return [blob]
-    parts, whole = [blob], []
+    parts: list[Blob] = [blob]
+    whole: list[Blob] = []
     while parts and len(parts) + len(whole) <= _MAX_PARTS:
         part = parts.pop()
         if part.concavity <= max_concavity:
@@ -81,7 +82,7 @@ def _cuts(blob: Blob) -> Iterator[tuple[int, int]]:
                 yield begin, end
 
 
-def _part(blob: Blob, arc: Floats) -> Blob:
+def _part(blob: Blob, arc: Ints) -> Blob:
     """The part inside an arc of the contour and the cut between its ends."""
     contour, sharpness = blob.contour_px[arc], blob.sharpness[arc]
     gap = contour[0] - contour[-1]
@@ -90,7 +91,7 @@ def _part(blob: Blob, arc: Floats) -> Blob:
     return replace(blob, contour_px=np.concatenate([contour, cut]), sharpness=np.r_[sharpness, np.zeros(len(cut))])
 
 
-def _arc(first: int, last: int, count: int) -> Floats:
+def _arc(first: int, last: int, count: int) -> Ints:
     return np.arange(first, last + 1 if last > first else last + count + 1) % count
 
 

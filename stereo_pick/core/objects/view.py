@@ -53,7 +53,7 @@ def _reduction(camera: Camera) -> int:
 
 @lru_cache(maxsize=8)
 def _masks(camera: Camera, reduction: int) -> tuple[Bools, NDArray[np.float32], Bools]:
-    """inside and core of a reduced view, and what part of each pixel's smoothing window the raw image covers:
+    """Inside and core of a reduced view, and what part of each pixel's smoothing window the raw image covers:
     the void around the image must not darken its rim."""
     covered = _reduced(_mask(camera), reduction) / np.float32(255)
     inside = covered > 0.5
