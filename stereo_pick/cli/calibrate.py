@@ -12,14 +12,8 @@ from stereo_pick.cli.calibration_report import report
 from stereo_pick.cli.image_pairs import FilePair, disagreement, find_files, pair_files
 from stereo_pick.cli.recorded_pairs import choose_pairs
 from stereo_pick.core.calibration.any_board import Board, parse_board
-from stereo_pick.core.calibration.detection import BoardImages, detect
-from stereo_pick.core.calibration.files import save_rig
-from stereo_pick.core.calibration.record import save_record
-from stereo_pick.core.calibration.result import CalibrationResult
-from stereo_pick.core.calibration.solving import calibrate_best
-from stereo_pick.core.calibration.verdict import Verdict, Word, check_baseline, judge
-from stereo_pick.core.calibration_page.evidence import typical_view
-from stereo_pick.core.calibration_page.page import calibration_page, refusal_page, save_page
+from stereo_pick.core.calibration.detection import BoardImages
+from stereo_pick.core.calibration_run import calibrate_from
 from stereo_pick.core.errors import CalibrationError, ParameterError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.images import read_image
@@ -96,41 +90,12 @@ def run(args: argparse.Namespace) -> int:
     board = parse_board(args.board, args.square)
     if args.output.exists() and not args.output.is_dir():
         raise CalibrationError(f"--output {args.output} is a file: name a folder")
-    images, input_notes = _images(args, board)
-    found = detect(images, board)
-    try:
-        result = calibrate_best(found, board)
-    except CalibrationError as error:
-        raise _refused(str(error), refusal_page(str(error), board, found), args.output) from None
-    notes = [*input_notes, *result.warnings]
-    verdict = _verdict(result, args.baseline)
-    page = calibration_page(result, verdict, notes, _example(result, images))
-    if verdict.word is Word.REFUSED:
-        raise _refused("; ".join(verdict.reasons), page, args.output)
-    try:
-        written = [*save_rig(result.rig, args.output), save_record(result, args.output), save_page(page, args.output)]
-    except OSError as error:
-        raise CalibrationError(f"--output {args.output} cannot be written: {error.strerror}") from None
-    print(report(result, verdict, notes, written))
+    images, notes = _images(args, board)
+    outcome = calibrate_from(images, board, args.baseline, notes)
+    written = outcome.save(args.output)
+    if outcome.result is not None:
+        print(report(outcome.result, outcome.verdict, outcome.notes, written))
     return 0
-
-
-def _verdict(result: CalibrationResult, baseline_m: float | None) -> Verdict:
-    """The verdict on the evidence, and on the baseline that was measured on the rig."""
-    if baseline_m is not None:
-        try:
-            check_baseline(result, baseline_m)
-        except CalibrationError as error:
-            return Verdict(Word.REFUSED, (str(error),))
-    return judge(result)
-
-
-def _refused(reason: str, page: str, output: Path) -> CalibrationError:
-    """The error of a refused calibration, with the path of the page that shows why where it can be written."""
-    try:
-        return CalibrationError(f"calibration refused: {reason}; see {save_page(page, output)}")
-    except OSError:
-        return CalibrationError(f"calibration refused: {reason}")
 
 
 def _images(args: argparse.Namespace, board: Board) -> tuple[Iterable[BoardImages], list[str]]:
@@ -145,13 +110,7 @@ def _images(args: argparse.Namespace, board: Board) -> tuple[Iterable[BoardImage
         raise ParameterError("--right goes with --left, not with --bag: name topics by --left-topic and --right-topic")
     recorded = choose_pairs(args.bag, board, args.left_topic, args.right_topic)
     print(f"{'bag':<10}{recorded.summary}")
-    return recorded, []
-
-
-def _example(result: CalibrationResult, images: Iterable[BoardImages]) -> BoardImages | None:
-    """The images of the pair that the page shows; None where several pairs have its name."""
-    named = [pair for pair in images if pair.name == typical_view(result).name]
-    return named[0] if len(named) == 1 else None
+    return recorded.images, []
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ def detect(pairs: Iterable[BoardImages], board: Board) -> list[Detections]:
     names = list[str]()
     for pair in pairs:
         first = first or pair
-        _check_size(pair, first)
+        check_size(pair, first)
         names += [pair.left_name, pair.right_name]
         for name, find in looks.items():
             outcomes[name].append(_look(pair, board, find))
@@ -70,7 +70,8 @@ def _detections(detector: str, size_px: tuple[int, int], outcome: list[BoardView
     return Detections(detector, size_px, views, rejected)
 
 
-def _check_size(pair: BoardImages, first: BoardImages) -> None:
+def check_size(pair: BoardImages, first: BoardImages) -> None:
+    """Raise CalibrationError, naming the image, where the pair is not of the size of the first one."""
     width, height = first.size_px
     for name, picture in ((pair.left_name, pair.left), (pair.right_name, pair.right)):
         if picture.shape[:2] != (height, width):
