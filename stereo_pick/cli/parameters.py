@@ -38,6 +38,7 @@ def nodes() -> dict[str, dict[str, Parameter]]:
         method_parameter,
         triangulation_groups,
     )
+    from stereo_pick.ros.nodes.calibration import CalibrationOptions
     from stereo_pick.ros.nodes.capture import CaptureOptions
     from stereo_pick.ros.nodes.rectification import RectificationOptions
 
@@ -46,6 +47,7 @@ def nodes() -> dict[str, dict[str, Parameter]]:
         "rectification": declared({"": RectificationOptions}),
         "correspondence": {"method": method_parameter(), **declared(correspondence_groups())},
         "triangulation": declared(triangulation_groups()),
+        "calibration": declared({"": CalibrationOptions}),
     }
 
 
@@ -95,7 +97,7 @@ def _markdown_row(name: str, parameter: Parameter) -> str:
 
 def _yaml_line(name: str, parameter: Parameter) -> str:
     """One setting; what must be chosen is a comment, so that the file does not undo a choice on the command line."""
-    unset = "# " if parameter.fixed and parameter.default == "" else ""
+    unset = "# " if parameter.fixed and parameter.default in ("", 0.0) else ""
     return f"{unset}{name.rpartition('.')[2]}: {_yaml(parameter.default)}"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from rclpy.context import Context
@@ -13,20 +13,19 @@ from stereo_pick.core.configuration import configured, declared
 from stereo_pick.core.errors import StereoPickError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import pixels
-from stereo_pick.core.pairing import Pair, Side, StampPairer
+from stereo_pick.core.pairing import Pair
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.messages.cameras import camera_info_message, camera_of, content
-from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status
 from stereo_pick.ros.messages.images import buffer_of, image_message
-from stereo_pick.ros.messages.stamps import stamp_ns
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.parameters import Values
 from stereo_pick.ros.process import run_nodes
-from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RAW, IMAGE_RECT, SIDES
+from stereo_pick.ros.raw_pairs import RawPairs
+from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RECT, SIDES
 
-_SILENT_AFTER_S = 2.0
 _MAX_HELD = 5  # pairs that wait for the first camera_info
 
 
@@ -51,15 +50,13 @@ class RectificationNode(StepNode):
         self._refused: StereoPickError | None = None
         self._held: list[Pair[Image]] = []
         self._rectified = 0
-        self._first_ns: int | None = None
-        self._last_ns: dict[str, int] = {}
-        self._last_stamp_ns: dict[str, int] = {}
+        self._raw = RawPairs(self, self._on_pair)
         super().__init__("rectification", context, declared({"": RectificationOptions}))
         self._images = {side: self.advertise(IMAGE_RECT[side]) for side in SIDES}
         self._camera_infos = {side: self.advertise(CAMERA_INFO_RECT[side]) for side in SIDES}
         for side in SIDES:
             self.listen(CAMERA_INFO[side], partial(self._on_camera_info, side))
-            self.listen(IMAGE_RAW[side], partial(self._on_image, side))
+        self._raw.listen()
 
     def configure(self, values: Values) -> RectificationOptions:
         """The options of these parameter values."""
@@ -68,49 +65,26 @@ class RectificationNode(StepNode):
     def apply(self, configured: RectificationOptions) -> None:
         """Pair by the new options from now on."""
         self._options = configured
-        self._first_ns = None
-        self._last_ns.clear()
-        self._pairer: StampPairer[Image] = StampPairer(round(configured.max_stamp_offset_s * 1e9))
+        self._raw.restart(configured.max_stamp_offset_s)
 
     def status(self) -> Status:
         """What is missing, if anything is."""
-        counts = self._pairer.counts
+        counts = self._raw.counts
         values = {"left": str(counts.left), "right": str(counts.right), "pairs": str(counts.pairs)}
-        if counts.pairs == 0:
-            return Status(ERROR if self._has_waited() else WARN, self._why_no_pair(), values)
+        trouble = self._raw.trouble()
+        if trouble is not None and counts.pairs == 0:
+            return replace(trouble, values=values)
         if self._refused is not None:
             return Status(ERROR, str(self._refused), values)
         missing = [self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if side not in self._infos]
         if missing:
             message = f"no message on {' and '.join(missing)}: is the camera calibrated, and its camera_info published?"
             return Status(ERROR, message, values)
-        silent = self._silent()
-        if silent:
-            topics = " and ".join(self.resolve_topic_name(IMAGE_RAW[side].name) for side in silent)
-            message = f"no image on {topics} any more: is the camera running?"
-            return Status(WARN if len(silent) == len(SIDES) else ERROR, message, values)
+        if trouble is not None:
+            return replace(trouble, values=values)
         if self._rectified == 0:
             return Status(ERROR, self.last_error or f"none of {counts.pairs} pairs could be rectified", values)
         return Status(OK, f"{self._rectified} pairs rectified", values)
-
-    def _has_waited(self) -> bool:
-        """Whether images have been coming for so long that their partners cannot just be on their way."""
-        first_ns = self._first_ns
-        return first_ns is not None and self.steady_clock.now().nanoseconds - first_ns > _SILENT_AFTER_S * 1e9
-
-    def _why_no_pair(self) -> str:
-        silent = [self.resolve_topic_name(IMAGE_RAW[side].name) for side in SIDES if side not in self._last_ns]
-        if len(silent) == len(SIDES):
-            return f"no image on {' and '.join(silent)}: are the cameras running?"
-        explained = self._pairer.explain()
-        return f"no image on {silent[0]}: {explained}" if silent else explained
-
-    def _silent(self) -> list[Side]:
-        """Both sides where nothing comes any more, or the one that the other has left behind."""
-        now_ns = self.steady_clock.now().nanoseconds
-        latest_ns = max(self._last_ns.values())
-        since_ns = now_ns if now_ns - latest_ns > _SILENT_AFTER_S * 1e9 else latest_ns
-        return [side for side in SIDES if since_ns - self._last_ns[side] > _SILENT_AFTER_S * 1e9]
 
     def _on_camera_info(self, side: str, message: CameraInfo) -> None:
         known = self._infos.get(side)
@@ -133,19 +107,11 @@ class RectificationNode(StepNode):
             self._refused = error
             raise
 
-    def _on_image(self, side: Side, message: Image) -> None:
-        self._last_ns[side] = self.steady_clock.now().nanoseconds
-        self._first_ns = self._first_ns or self._last_ns[side]
-        taken_ns = stamp_ns(message.header.stamp)
-        if taken_ns < self._last_stamp_ns.get(side, taken_ns):  # a replay that starts over: nothing old pairs any more
-            self._pairer.flush()
-            self._last_stamp_ns.clear()
-        self._last_stamp_ns[side] = taken_ns
-        for pair in self._pairer.add(side, taken_ns, message):
-            if len(self._infos) < len(SIDES):
-                self._held = [*self._held, pair][-_MAX_HELD:]
-            else:
-                self._rectify(pair)
+    def _on_pair(self, pair: Pair[Image]) -> None:
+        if len(self._infos) < len(SIDES):
+            self._held = [*self._held, pair][-_MAX_HELD:]
+        else:
+            self._rectify(pair)
 
     def _rectify(self, pair: Pair[Image]) -> None:
         if self._rectifier is None:

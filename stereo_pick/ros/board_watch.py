@@ -1,0 +1,108 @@
+"""A thread that looks for the board, so that the node's executor never waits for it."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from rclpy.task import Future
+
+from stereo_pick.core.calibration.any_board import Board
+from stereo_pick.core.calibration.collecting import Collector
+from stereo_pick.core.calibration.detection import BoardImages
+from stereo_pick.core.calibration.views import BoardView
+from stereo_pick.core.calibration_run import CalibrationRun
+from stereo_pick.core.errors import StereoPickError
+
+
+@dataclass(frozen=True, eq=False)
+class Progress:
+    """How far the watch is: pairs looked at and with a board, the views kept, the last pair and the board in it.
+
+    error: why the last pair was of no use; empty where it was.
+    """
+
+    looked_at: int = 0
+    shown: int = 0
+    kept: tuple[BoardView, ...] = ()
+    last: BoardImages | None = None
+    seen: BoardView | None = None
+    error: str = ""
+
+
+class BoardWatch:
+    """Takes pairs one after the other; of more than `max_waiting` that wait, the newest are counted and left out.
+
+    `progress` is replaced, never changed: it can be read from any thread. failure: an error that ended the thread.
+    """
+
+    def __init__(self, board: Board, max_waiting: int) -> None:
+        self.progress = Progress()
+        self.not_looked_at = 0
+        self.failure: BaseException | None = None
+        self._collector = Collector(board)
+        self._max_waiting = max_waiting
+        self._tasks: deque[Callable[[], None]] = deque()
+        self._changed = threading.Condition()
+        self._closed = False
+        threading.Thread(target=self._work, name="board watch", daemon=True).start()
+
+    @property
+    def waiting(self) -> int:
+        """How many pairs have not been looked at yet."""
+        return len(self._tasks)
+
+    def offer(self, read: Callable[[], BoardImages]) -> None:
+        """Have the pair read and looked at, in its turn."""
+        if self.waiting >= self._max_waiting:
+            self.not_looked_at += 1
+            return
+        self._put(partial(self._look, read))
+
+    def calibrate(self, job: Callable[[tuple[BoardImages, ...]], CalibrationRun]) -> Future:
+        """Call `job` with the images kept, once all pairs that wait have been looked at; the future has its outcome."""
+        future = Future()
+        self._put(partial(self._calibrate, job, future))
+        return future
+
+    def close(self) -> None:
+        """Let the thread end after what it is doing."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+
+    def _put(self, task: Callable[[], None]) -> None:
+        with self._changed:
+            self._tasks.append(task)
+            self._changed.notify()
+
+    def _work(self) -> None:
+        try:
+            while (task := self._next()) is not None:
+                task()
+        except BaseException as error:
+            self.failure = error
+
+    def _next(self) -> Callable[[], None] | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._tasks or self._closed)
+            return None if self._closed else self._tasks.popleft()
+
+    def _look(self, read: Callable[[], BoardImages]) -> None:
+        error, pair, seen = "", None, None
+        try:
+            pair = read()
+            seen = self._collector.look(pair)
+        except StereoPickError as refusal:
+            error = str(refusal)
+        collector = self._collector
+        self.progress = Progress(collector.looked_at, collector.shown, collector.views, pair, seen, error)
+
+    def _calibrate(self, job: Callable[[tuple[BoardImages, ...]], CalibrationRun], future: Future) -> None:
+        try:
+            future.set_result(job(self._collector.images()))
+        except StereoPickError as refusal:
+            future.set_exception(refusal)

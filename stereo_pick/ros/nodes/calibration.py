@@ -1,0 +1,204 @@
+"""The calibration node: watches a board that is moved in front of both cameras, says what is missing, calibrates."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.context import Context
+from sensor_msgs.msg import Image
+from std_srvs.srv import Trigger
+
+from stereo_pick.core.calibration.any_board import parse_board
+from stereo_pick.core.calibration.collecting import Pace, timed_pair
+from stereo_pick.core.calibration.detection import BoardImages
+from stereo_pick.core.calibration.guidance import Guidance, guide
+from stereo_pick.core.calibration.guidance_picture import guidance_picture
+from stereo_pick.core.calibration.verdict import Word
+from stereo_pick.core.calibration_run import CalibrationRun, calibrate_from
+from stereo_pick.core.configuration import configured, declared
+from stereo_pick.core.errors import ParameterError, StereoPickError
+from stereo_pick.core.frames import grey
+from stereo_pick.core.images import pixels
+from stereo_pick.core.pairing import Pair
+from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.ros.board_watch import BoardWatch, Progress
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
+from stereo_pick.ros.messages.images import buffer_of, image_message
+from stereo_pick.ros.node import StepNode
+from stereo_pick.ros.parameters import Values
+from stereo_pick.ros.process import run_nodes
+from stereo_pick.ros.raw_pairs import RawPairs
+from stereo_pick.ros.topics import CALIBRATION_ANNOTATED, SIDES
+
+_DRAW_PERIOD_S = 0.1
+
+
+@dataclass(frozen=True)
+class CalibrationOptions(Configurable):
+    """The board, where the files go, and how raw images are read and paired."""
+
+    board: str = parameter(
+        "", "The board: chessboard:9x6 (inner corners) or charuco:11x8:0.75:5X5_100 (squares).", fixed=True
+    )
+    square_m: float = parameter(0.0, "Side of one square, measured on the board.", low=0.0, high=1.0, fixed=True)
+    output: str = parameter("", "Folder that `~/save` writes to; files in it are replaced.", fixed=True)
+    baseline_m: float = parameter(
+        0.0,
+        "Distance of the two lenses, measured on the rig with a ruler; 0 where it was not.",
+        low=0.0,
+        high=100.0,
+        fixed=True,
+    )
+    max_waiting: int = parameter(
+        20, "How many pairs may wait to be looked at; of more, the newest are left out.", low=1, high=1000, fixed=True
+    )
+    max_stamp_offset_s: float = parameter(
+        0.01, "By how much the stamps of a left and a right image may differ.", low=0.0, high=1.0, fixed=True
+    )
+    full_scale_16: int = parameter(
+        65535, "Value of a 16-bit image that becomes white; 4095 for a 12-bit camera.", low=1, high=65535, fixed=True
+    )
+
+
+class CalibrationNode(StepNode):
+    """Collects views of a board; the services `~/finish` and `~/save` calibrate from them and write the files."""
+
+    def __init__(self, context: Context) -> None:
+        self._raw = RawPairs(self, self._on_pair)
+        self._pace = Pace()
+        self._start_ns: int | None = None
+        self._run: CalibrationRun | None = None
+        super().__init__("calibration", context, declared({"": CalibrationOptions}))
+        _check_chosen(self._options)
+        self._board = parse_board(self._options.board, self._options.square_m)
+        self._watch = BoardWatch(self._board, self._options.max_waiting)
+        self._drawn = self._watch.progress
+        self._annotated = self.advertise(CALIBRATION_ANNOTATED)
+        # A group of their own: while one waits for the watch, images and timers go on.
+        services = MutuallyExclusiveCallbackGroup()
+        self.create_service(Trigger, "~/finish", self._on_finish, callback_group=services)
+        self.create_service(Trigger, "~/save", self._on_save, callback_group=services)
+        self.create_timer(_DRAW_PERIOD_S, self._on_timer, clock=self.steady_clock)
+        self._raw.listen()
+
+    def configure(self, values: Values) -> CalibrationOptions:
+        """The options of these parameter values."""
+        return configured(CalibrationOptions, "", values)
+
+    def apply(self, configured: CalibrationOptions) -> None:
+        """Use these options."""
+        self._options = configured
+        self._raw.restart(configured.max_stamp_offset_s)
+
+    def status(self) -> Status:
+        """What of the board is still to be shown."""
+        trouble, progress = self._raw.trouble(), self._watch.progress
+        if trouble is not None and (trouble.level == ERROR or self._raw.counts.pairs == 0):
+            return trouble
+        if progress.error:
+            return Status(ERROR, progress.error, self._values(progress))
+        missing = self._guidance(progress).missing
+        left_out = self._watch.not_looked_at
+        slow = f"; {left_out} pairs were not looked at: they come faster than the board is found" if left_out else ""
+        message = f"{len(progress.kept)} views kept; " + (
+            "; ".join(f"show {text}" for text in missing) or "call ~/finish"
+        )
+        return Status(WARN if missing or left_out else OK, message + slow, self._values(progress))
+
+    def destroy_node(self) -> None:
+        """End the watch, too."""
+        self._watch.close()
+        super().destroy_node()
+
+    def _values(self, progress: Progress) -> dict[str, str]:
+        return {
+            "pairs": str(self._raw.counts.pairs),
+            "looked_at": str(progress.looked_at),
+            "with_board": str(progress.shown),
+            "views": str(len(progress.kept)),
+            "waiting": str(self._watch.waiting),
+            "not_looked_at": str(self._watch.not_looked_at),
+            "calibration": self._run.summary if self._run else "",
+        }
+
+    def _guidance(self, progress: Progress) -> Guidance:
+        size_px = progress.last.size_px if progress.last else (1, 1)
+        return guide(progress.kept, size_px, self._board)
+
+    def _on_pair(self, pair: Pair[Image]) -> None:
+        if not self._pace.takes(pair.left_stamp_ns):
+            return
+        self._start_ns = pair.left_stamp_ns if self._start_ns is None else self._start_ns
+        self._watch.offer(partial(self._read, pair, (pair.left_stamp_ns - self._start_ns) / 1e9))
+
+    def _read(self, pair: Pair[Image], time_s: float) -> BoardImages:
+        left, right = (
+            grey(pixels(buffer_of(message), self._options.full_scale_16, f"{side} image"))
+            for side, message in zip(SIDES, (pair.left, pair.right))
+        )
+        return timed_pair(time_s, left, right)
+
+    def _on_timer(self) -> None:
+        """Publish a new picture where somebody looks at it."""
+        if self._watch.failure is not None:
+            raise self._watch.failure
+        progress = self._watch.progress
+        if progress is self._drawn or progress.last is None or self._annotated.get_subscription_count() == 0:
+            return
+        self._drawn = progress
+        picture = guidance_picture(progress.last, progress.seen, progress.kept, self._guidance(progress))
+        self._annotated.publish(image_message(picture, self.get_clock().now().nanoseconds, "calibration"))
+
+    async def _on_finish(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        """Calibrate from the views kept so far; more can follow, and another finish."""
+        self._raw.flush()
+        try:
+            self._run = await self._watch.calibrate(self._calibrate)
+        except StereoPickError as error:
+            return self._answer(response, False, str(error))
+        return self._answer(response, self._run.verdict.word is not Word.REFUSED, self._run.summary)
+
+    def _on_save(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        if self._run is None:
+            return self._answer(response, False, "there is no calibration yet: call ~/finish first")
+        try:
+            written = self._run.save(Path(self._options.output))
+        except StereoPickError as error:
+            return self._answer(response, False, str(error))
+        return self._answer(response, True, f"written: {', '.join(map(str, written))}")
+
+    def _calibrate(self, images: tuple[BoardImages, ...]) -> CalibrationRun:
+        return calibrate_from(images, self._board, self._options.baseline_m or None)
+
+    def _answer(self, response: Trigger.Response, success: bool, message: str) -> Trigger.Response:
+        log = self.get_logger().info if success else self.get_logger().warning
+        log(message)
+        response.success, response.message = success, message
+        return response
+
+
+def _check_chosen(options: CalibrationOptions) -> None:
+    """Raise ParameterError where something that nobody can guess was not given."""
+    if not options.board:
+        raise ParameterError(
+            "parameter board is empty: give chessboard:9x6 (inner corners) or charuco:11x8:0.75:5X5_100"
+        )
+    if not options.square_m:
+        raise ParameterError("parameter square_m is 0: measure the side of one square, in metres")
+    if not options.output:
+        raise ParameterError("parameter output is empty: name the folder that ~/save writes to")
+    if Path(options.output).exists() and not Path(options.output).is_dir():
+        raise ParameterError(f"parameter output = {options.output} is a file: name a folder")
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node."""
+    return run_nodes([CalibrationNode], args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

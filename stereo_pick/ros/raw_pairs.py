@@ -1,0 +1,91 @@
+"""Raw images of both sides, paired by stamp, and the reason where nothing pairs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from sensor_msgs.msg import Image
+
+from stereo_pick.core.pairing import Pair, PairingCounts, Side, StampPairer
+from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
+from stereo_pick.ros.messages.stamps import stamp_ns
+from stereo_pick.ros.node import StepNode
+from stereo_pick.ros.topics import IMAGE_RAW, SIDES
+
+_SILENT_AFTER_S = 2.0
+
+
+class RawPairs:
+    """Listens to `left|right/image_raw` for a node, once `listen` is called, and calls back with each pair."""
+
+    def __init__(self, node: StepNode, paired: Callable[[Pair[Image]], None]) -> None:
+        self._node = node
+        self._paired = paired
+        self._last_ns: dict[str, int] = {}
+        self._last_stamp_ns: dict[str, int] = {}
+        self.restart(0.0)
+
+    def listen(self) -> None:
+        """Subscribe to both images."""
+        for side in SIDES:
+            self._node.listen(IMAGE_RAW[side], partial(self._add, side))
+
+    def restart(self, max_stamp_offset_s: float) -> None:
+        """Pair by this offset of the stamps from now on."""
+        self._first_ns: int | None = None
+        self._last_ns.clear()
+        self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9))
+
+    @property
+    def counts(self) -> PairingCounts:
+        """How many images came, and how many pairs."""
+        return self._pairer.counts
+
+    def flush(self) -> None:
+        """Call back with what still waits for a better partner: nothing more comes."""
+        for pair in self._pairer.flush():
+            self._paired(pair)
+
+    def trouble(self) -> Status | None:
+        """What is missing, if anything is."""
+        if self.counts.pairs == 0:
+            return Status(ERROR if self._has_waited() else WARN, self._why_no_pair())
+        silent = self._silent()
+        if not silent:
+            return None
+        topics = " and ".join(self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in silent)
+        level = WARN if len(silent) == len(SIDES) else ERROR
+        return Status(level, f"no image on {topics} any more: is the camera running?")
+
+    def _has_waited(self) -> bool:
+        """Whether images have been coming for so long that their partners cannot just be on their way."""
+        first_ns = self._first_ns
+        return first_ns is not None and self._now_ns() - first_ns > _SILENT_AFTER_S * 1e9
+
+    def _why_no_pair(self) -> str:
+        silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in SIDES if side not in self._last_ns]
+        if len(silent) == len(SIDES):
+            return f"no image on {' and '.join(silent)}: are the cameras running?"
+        explained = self._pairer.explain()
+        return f"no image on {silent[0]}: {explained}" if silent else explained
+
+    def _silent(self) -> list[Side]:
+        """Both sides where nothing comes any more, or the one that the other has left behind."""
+        latest_ns = max(self._last_ns.values())
+        since_ns = self._now_ns() if self._now_ns() - latest_ns > _SILENT_AFTER_S * 1e9 else latest_ns
+        return [side for side in SIDES if since_ns - self._last_ns[side] > _SILENT_AFTER_S * 1e9]
+
+    def _add(self, side: Side, message: Image) -> None:
+        self._last_ns[side] = self._now_ns()
+        self._first_ns = self._first_ns or self._last_ns[side]
+        taken_ns = stamp_ns(message.header.stamp)
+        if taken_ns < self._last_stamp_ns.get(side, taken_ns):  # a replay that starts over: nothing old pairs any more
+            self._pairer.flush()
+            self._last_stamp_ns.clear()
+        self._last_stamp_ns[side] = taken_ns
+        for pair in self._pairer.add(side, taken_ns, message):
+            self._paired(pair)
+
+    def _now_ns(self) -> int:
+        return self._node.steady_clock.now().nanoseconds
