@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import cv2
@@ -63,15 +64,16 @@ def calibrate_camera(
     Raises CalibrationError where the views do not determine the camera.
     """
     try:
-        _, K, D, rvecs, tvecs, _, _, errors = cv2.calibrateCameraExtended(
-            [corners.astype(np.float32) for corners in points],
-            [corners.astype(np.float32) for corners in corners_px],
-            size_px,
-            np.eye(3),
-            np.zeros(5),
-            flags=cv2.CALIB_FIX_K3,
-            criteria=_TIGHT,
-        )
+        with _one_thread():
+            _, K, D, rvecs, tvecs, _, _, errors = cv2.calibrateCameraExtended(
+                [corners.astype(np.float32) for corners in points],
+                [corners.astype(np.float32) for corners in corners_px],
+                size_px,
+                np.eye(3),
+                np.zeros(5),
+                flags=cv2.CALIB_FIX_K3,
+                criteria=_TIGHT,
+            )
         camera = Camera(name, *size_px, floats("K", K, 3, 3), floats("D", D.ravel()[:5], 5), np.eye(3), np.eye(3, 4))
     except (cv2.error, ArrayError, CalibrationError) as error:
         raise CalibrationError(
@@ -80,6 +82,17 @@ def calibrate_camera(
         ) from None
     poses = tuple(transform(r, t) for r, t in zip(rvecs, tvecs))
     return MonoCalibration(camera, poses, np.asarray(errors, np.float64).ravel())
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """OpenCV's threads add up in the order in which they end: with one of them the same views give the same bits."""
+    threads = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(threads)
 
 
 def _imprecise(side: str, errors_px: Floats, worst: int) -> str:

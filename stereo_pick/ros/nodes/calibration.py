@@ -175,8 +175,10 @@ class CalibrationNode(StepNode):
         return calibrate_from(images, self._board, self._options.baseline_m or None)
 
     def _answer(self, response: Trigger.Response, success: bool, message: str) -> Trigger.Response:
-        log = self.get_logger().info if success else self.get_logger().warning
-        log(message)
+        if success:
+            self.get_logger().info(message)
+        else:  # rclpy takes no other severity at the same line
+            self.get_logger().warning(message)
         response.success, response.message = success, message
         return response
 

@@ -187,3 +187,10 @@ def test_webcam_rig_held_by_hand(calibrated) -> None:
     result = calibrated("sourishg/set1/left*", "sourishg/set1/right*", Chessboard(9, 6, 0.02423))
     assert len(result.used) == 29
     assert result.rig.baseline_m * 1000 == pytest.approx(93.9, abs=0.1)
+
+
+def test_the_same_views_give_the_same_bits() -> None:
+    views = make_views(12, noise_px=0.1)
+    first, *others = (calibrate(views, SIZE_PX, BOARD).solution.parameters for _ in range(4))
+    for parameters in others:
+        np.testing.assert_array_equal(parameters, first)
