@@ -1,4 +1,4 @@
-"""The launch file: read everywhere, really launched where ROS's launch is installed."""
+"""The launch files: read everywhere, really launched where ROS's launch is installed."""
 
 from __future__ import annotations
 
@@ -13,33 +13,35 @@ import pytest
 from recordings import DEMO_BAG
 from ros_tools import ROOT, System
 
-from stereo_pick.ros.topics import OBJECT_POSES
+from stereo_pick.ros.topics import IMAGE_RAW, OBJECT_POSES
 
 LAUNCH = ROOT / "launch" / "stereo_pick.launch.py"
 TREE = ast.parse(LAUNCH.read_text())
+CALIBRATION = ast.parse((ROOT / "launch" / "calibration.launch.py").read_text())
 
 
 def _strings() -> set[str]:
     return {node.value for node in ast.walk(TREE) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
 
 
-def _arguments() -> dict[str, ast.expr]:
-    for node in ast.walk(TREE):
+def _arguments(tree: ast.Module = TREE) -> dict[str, ast.expr]:
+    for node in ast.walk(tree):
         if isinstance(node, ast.Assign) and any(isinstance(t, ast.Name) and t.id == "ARGUMENTS" for t in node.targets):
             assert isinstance(node.value, ast.Dict)
             return {str(ast.literal_eval(key)): value for key, value in zip(node.value.keys, node.value.values) if key}
     raise AssertionError("no ARGUMENTS")
 
 
-def test_it_generates_a_launch_description() -> None:
-    functions = {node.name: node for node in TREE.body if isinstance(node, ast.FunctionDef)}
+@pytest.mark.parametrize("tree", [TREE, CALIBRATION], ids=["stereo_pick", "calibration"])
+def test_it_generates_a_launch_description(tree: ast.Module) -> None:
+    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     assert functions["generate_launch_description"].args.args == []
 
 
 def test_every_argument_has_a_default_and_says_what_it_is_for() -> None:
     arguments = _arguments()
     assert {"source", "calibration", "method", "rate", "loop", "use_sim_time", "one_process"} <= set(arguments)
-    for name, value in arguments.items():
+    for name, value in [*arguments.items(), *_arguments(CALIBRATION).items()]:
         assert isinstance(value, ast.Tuple), name
         assert len(ast.literal_eval(value.elts[1])) > 10, name
 
@@ -48,8 +50,8 @@ def test_every_node_that_it_starts_is_installed() -> None:
     config = ConfigParser(delimiters=("=",))
     config.read(ROOT / "setup.cfg", encoding="utf-8")
     installed = config["options.entry_points"]["console_scripts"]
-    for name in ("capture", "rectification", "correspondence", "triangulation", "stereo_pick"):
-        assert name in _strings()
+    for name in ("capture", "rectification", "correspondence", "triangulation", "stereo_pick", "calibration"):
+        assert name in _strings() or name == "calibration"
         assert f"{name}_node = stereo_pick.ros.nodes.{name}:main" in installed
     assert {"stereo_pick.yaml", "config"} <= _strings()
     assert (ROOT / "config" / "stereo_pick.yaml").is_file()
@@ -64,6 +66,16 @@ def test_its_defaults_are_those_of_the_parameters() -> None:
         default = ast.literal_eval(arguments[name].elts[0])  # type: ignore[attr-defined]
         assert default == (str(capture[name].default).lower() if name == "loop" else str(capture[name].default))
     assert ast.literal_eval(arguments["method"].elts[0]) == nodes()["correspondence"]["method"].default  # type: ignore[attr-defined]
+
+
+def test_the_calibration_node_is_launched_with_its_own_defaults() -> None:
+    from stereo_pick.cli.parameters import nodes
+
+    declared, arguments = nodes()["calibration"], _arguments(CALIBRATION)
+    for name in ("board", "square_m", "output", "baseline_m", "max_stamp_offset_s"):
+        assert ast.literal_eval(arguments[name].elts[0]) == str(declared[name].default)  # type: ignore[attr-defined]
+    strings = {node.value for node in ast.walk(CALIBRATION) if isinstance(node, ast.Constant)}
+    assert {"calibration_node", "calibration", *(topic.name for topic in IMAGE_RAW.values())} <= strings
 
 
 def test_it_really_launches_the_nodes(system: System) -> None:
