@@ -44,6 +44,7 @@ CORE_LAYERS = (
     "correspondence",
     "triangulation",
     "poses",
+    "positioning",
     "annotation",
     "depth_report",
     "pipeline",
