@@ -40,6 +40,7 @@ CORE_LAYERS = (
     "frames",
     "rectification",
     "calibration_page",
+    "shapes",
     "objects",
     "correspondence",
     "triangulation",
