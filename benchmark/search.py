@@ -21,9 +21,11 @@ GOOD_PX = 2.0
 _UNCHECKED = Ssd(max_sigma_px=2.0, min_similarity=0.0, min_uniqueness=1.0, left_right_tolerance_px=10.0)
 _SEARCHES = {
     "3 × 3, whole right image, as the thesis's SSD": Ssd(search="full"),
-    "3 × 3, along the row, checks as loose as they go": replace(_UNCHECKED, window_px=3),
-    "15 × 15, along the row, checks as loose as they go": _UNCHECKED,
-    "`ssd` by default: 15 × 15, along the row, checked": Ssd(),
+    "3 × 3, along the row, checks as loose as they go": replace(_UNCHECKED, narrowest_window_px=3, widest_window_px=3),
+    "15 × 15, along the row, checks as loose as they go": replace(
+        _UNCHECKED, narrowest_window_px=15, widest_window_px=15
+    ),
+    "`ssd` by default: 7 × 7 to 23 × 23, along the row, checked": Ssd(),
 }
 _OUTCOMES = ("near", "same object", "elsewhere", "refused")
 

@@ -22,7 +22,7 @@ from stereo_pick.core.frames import grey
 from stereo_pick.core.images import read_image
 from stereo_pick.core.transform import Transform
 
-Calibrated = Callable[[str, str, Chessboard], CalibrationResult]
+Calibrated = Callable[..., CalibrationResult]
 
 
 @pytest.fixture(scope="session")
@@ -103,15 +103,16 @@ def charuco_texture(board: CharucoBoard, legacy: bool) -> Image:
 
 @pytest.fixture(scope="session")
 def calibrated(shared_data: Path) -> Calibrated:
-    """Calibrates from a real recording, once: patterns of the left and right files, and the board."""
+    """Calibrates from a real recording, once: patterns of the left and right files, the board, a detector."""
 
     @cache
-    def result(left: str, right: str, board: Chessboard) -> CalibrationResult:
+    def result(left: str, right: str, board: Chessboard, detector: str = "") -> CalibrationResult:
         pairs = [
             BoardImages(f"{a.parent.name}/{a.name}", a.name, b.name, grey(read_image(a)), grey(read_image(b)))
             for a, b in zip(sorted(shared_data.glob(left)), sorted(shared_data.glob(right)))
         ]
-        return calibrate_best(detect(pairs, board), board)
+        found = [each for each in detect(pairs, board) if detector in ("", each.detector)]
+        return calibrate_best(found, board)
 
     return result
 

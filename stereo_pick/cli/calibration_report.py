@@ -10,6 +10,8 @@ from stereo_pick.core.calibration.verdict import Verdict
 
 Line = tuple[str, str]
 
+_NAMED_CORNERS = 6
+
 
 def report(result: CalibrationResult, verdict: Verdict, warnings: Sequence[str], written: Sequence[Path]) -> str:
     """The result, the evidence and the verdict."""
@@ -31,6 +33,10 @@ def _views(result: CalibrationResult) -> Iterator[Line]:
     yield "detector", result.detector
     yield "views", f"{len(result.used)} of {len(result.used) + len(result.rejected)} used"
     yield from (("rejected", f"{view.name}: {view.reason}") for view in result.rejected)
+    yield from (("corner", corner.describe(board)) for corner in result.rejected_corners[:_NAMED_CORNERS])
+    if len(result.rejected_corners) > _NAMED_CORNERS:
+        more = len(result.rejected_corners) - _NAMED_CORNERS
+        yield "corners", f"{more} more single corners left out, all of them in calibration.yaml"
     yield (
         "coverage",
         f"{covered.left_area:.0%} of the left image, {covered.right_area:.0%} of the right, tilts that differ by up to "

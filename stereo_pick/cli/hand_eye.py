@@ -7,6 +7,7 @@ from pathlib import Path
 
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ImageError
 from stereo_pick.core.frames import grey
@@ -18,6 +19,7 @@ from stereo_pick.core.hand_eye.result import HandEye
 from stereo_pick.core.hand_eye.solving import solve_hand_eye
 from stereo_pick.core.hand_eye.touched import solve_touched
 from stereo_pick.core.images import read_image
+from stereo_pick.core.rig import StereoRig
 
 _FRAMES = {"base": "base_link", "flange": "flange"}
 
@@ -56,7 +58,11 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     parser.add_argument("recording", type=Path, metavar="FILE", help="YAML or JSON file of pairs or touched points")
     parser.add_argument(
-        "--calibration", type=Path, metavar="DIR", help="the rig's calibration, where FILE names images"
+        "--calibration",
+        type=Path,
+        metavar="DIR",
+        help="the rig's calibration: needed where FILE names images; its hash goes into the result, which then is "
+        "refused beside any other calibration",
     )
     parser.add_argument("--board", metavar="COLSxROWS", help="INNER corners of the board in the images: 9x6")
     parser.add_argument("--square", type=float, metavar="METRES", help="side of one square in metres")
@@ -71,12 +77,15 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def run(args: argparse.Namespace) -> int:
     """Solve, write the file and print the report; raises StereoPickError, and writes nothing, on unusable input."""
     recording = read_recording(args.recording)
+    rig = load_rig(args.calibration) if args.calibration is not None else None
     try:
-        result = _from_pairs(recording, args) if isinstance(recording, RecordedPairs) else solve_touched(recording)
+        result = _from_pairs(recording, args, rig) if isinstance(recording, RecordedPairs) else solve_touched(recording)
     except CalibrationError as error:
         raise CalibrationError(f"{args.recording}: {error}") from None
     output = args.output or Path(f"{result.name}.yaml")
-    save_hand_eye(FramedHandEye(result, args.parent_frame or _FRAMES[result.parent], args.child_frame), output)
+    made_with = calibration_hash(rig) if rig is not None else ""
+    parent_frame = args.parent_frame or _FRAMES[result.parent]
+    save_hand_eye(FramedHandEye(result, parent_frame, args.child_frame, made_with), output)
     print(f"{report(result)}\nwritten   {output}")
     return 0
 
@@ -99,13 +108,13 @@ def report(result: HandEye) -> str:
     return "\n".join(f"{label:<10}{text}".rstrip() for label, text in lines)
 
 
-def _from_pairs(recording: RecordedPairs, args: argparse.Namespace) -> HandEye:
+def _from_pairs(recording: RecordedPairs, args: argparse.Namespace, rig: StereoRig | None) -> HandEye:
     if all(pair.image is None for pair in recording.pairs):
         views = [_view(pair, None, None) for pair in recording.pairs]
         return solve_hand_eye(views, recording.mount)
-    if args.calibration is None or args.board is None or args.square is None:
+    if rig is None or args.board is None or args.square is None:
         raise CalibrationError("it names images: give --calibration, --board and --square to find the board in them")
-    camera, board = load_rig(args.calibration).left, Chessboard.parse(args.board, args.square)
+    camera, board = rig.left, Chessboard.parse(args.board, args.square)
     views = [_view(pair, camera, board) for pair in recording.pairs]
     return solve_hand_eye(settle_turns(views, board, recording.mount), recording.mount)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 
 from stereo_pick.cli.options import add_pipeline_options, pipeline_values
+from stereo_pick.cli.positioning import add_positioning_options, positioning_of
 from stereo_pick.cli.report import result_mapping, result_text
 from stereo_pick.core.annotation import annotate
 from stereo_pick.core.calibration.files import load_rig
@@ -23,8 +24,9 @@ _DESCRIPTION = """\
 Find the objects in one pair of images and print where they are.
 
 Positions are metres (millimetres in the table) in the left camera's own optical frame: x right, y down, z forward,
-of the RAW left camera, not of the rectified one. Each comes with a covariance, with the gap between its two rays, and
-with its pixels in the raw images. What was seen but cannot be trusted is listed under `refused`, with the reason."""
+of the RAW left camera, not of the rectified one; or, with --hand-eye, in the robot's frame. Each comes with a
+covariance, with the gap between its two rays, and with its pixels in the raw images. What was seen but cannot be
+trusted is listed under `refused`, with the reason."""
 
 _EPILOG = """\
 examples:
@@ -51,6 +53,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         metavar="DIR",
         help="folder with left.yaml and right.yaml, or an OpenCV stereo YAML file",
     )
+    add_positioning_options(parser)
     add_pipeline_options(parser)
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="also write an annotated picture (.png, .jpg)")
@@ -60,7 +63,8 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def run(args: argparse.Namespace) -> int:
     """Locate and print; raises StereoPickError on unusable input, ImageError on exchanged images."""
     values = pipeline_values(args)
-    pipeline = Pipeline(load_rig(args.calibration), steps(values))
+    rig = load_rig(args.calibration)
+    pipeline = Pipeline(rig, steps(values), positioning_of(args, rig))
     result = pipeline.run(StereoFrame(read_image(args.left), read_image(args.right)))
     print(json.dumps(result_mapping(result, str(values["method"])), indent=2) if args.json else result_text(result))
     if args.picture is not None:

@@ -41,12 +41,13 @@ def nodes() -> dict[str, dict[str, Parameter]]:
     from stereo_pick.ros.nodes.calibration import CalibrationOptions
     from stereo_pick.ros.nodes.capture import CaptureOptions
     from stereo_pick.ros.nodes.rectification import RectificationOptions
+    from stereo_pick.ros.nodes.triangulation import TriangulationOptions
 
     return {
         "capture": declared({"": CaptureOptions}),
         "rectification": declared({"": RectificationOptions}),
         "correspondence": {"method": method_parameter(), **declared(correspondence_groups())},
-        "triangulation": declared(triangulation_groups()),
+        "triangulation": declared({"": TriangulationOptions, **triangulation_groups()}),
         "calibration": declared({"": CalibrationOptions}),
     }
 

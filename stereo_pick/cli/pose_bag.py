@@ -89,6 +89,6 @@ def _pose_array(types: Any, poses: ObjectPoses, frame_id: str) -> Any:
     stamp = time(sec=poses.stamp_ns // _NS_PER_S, nanosec=poses.stamp_ns % _NS_PER_S)
     rows = np.hstack([poses.xyz, poses.quaternions()]).tolist()
     return types[_TYPE](
-        header=header(stamp=stamp, frame_id=frame_id or "left_camera_optical_frame"),
+        header=header(stamp=stamp, frame_id=poses.frame_id or frame_id or "left_camera_optical_frame"),
         poses=[pose(position=point(*row[:3]), orientation=quaternion(*row[3:])) for row in rows],
     )

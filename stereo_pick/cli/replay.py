@@ -11,6 +11,7 @@ from typing import TextIO
 
 from stereo_pick.cli.locate import rig_fault_of
 from stereo_pick.cli.options import add_pipeline_options, pipeline_values
+from stereo_pick.cli.positioning import add_positioning_options, positioning_of
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.report import result_mapping
 from stereo_pick.core.calibration.files import load_rig
@@ -61,6 +62,7 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder with left.yaml and right.yaml, or an OpenCV YAML file (default: the bag's camera_info)",
     )
+    add_positioning_options(parser)
     parser.add_argument(
         "--left-topic", default="", metavar="TOPIC", help="the bag's left images (default: by its name)"
     )
@@ -77,7 +79,8 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Replay; raises StereoPickError on unusable input, after what came before it was written."""
     source, values = opened_source(args), pipeline_values(args)
-    pipeline, method = Pipeline(source_rig(source, args), steps(values)), str(values["method"])
+    rig, method = source_rig(source, args), str(values["method"])
+    pipeline = Pipeline(rig, steps(values), positioning_of(args, rig))
     results = progress(_results(pipeline, source), source.count, "pairs")
     if args.output is not None and args.output.suffix == ".mcap":
         from stereo_pick.cli.pose_bag import write_pose_bag
@@ -126,6 +129,7 @@ def _results(pipeline: Pipeline, source: StereoSource) -> Iterator[tuple[SourceP
     """Yield each pair with its result; raises ImageError at the end where no pair fits the calibration."""
     located, faults = 0, []
     for pair in source:
+        pipeline.positioning.check(pipeline.rig, pair.left_frame_id)
         left, right = pixels(pair.left, what="left image"), pixels(pair.right, what="right image")
         result = pipeline.run(StereoFrame(left, right, pair.stamp_ns))
         located += len(result.poses)

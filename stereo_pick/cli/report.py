@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.depth_report import depths_between
 from stereo_pick.core.pipeline import Result
@@ -20,13 +21,15 @@ FRAME = "left camera optical frame (raw, not rectified): x right, y down, z forw
 
 
 def result_mapping(result: Result, method: str) -> dict[str, Any]:
-    """The JSON of one pair: positions in metres in the left camera's raw optical frame, raw pixels."""
+    """The JSON of one pair: positions in metres in `frame`, raw pixels."""
     poses, rig = result.poses, result.pair.rig
     return {
-        "frame": FRAME,
+        "frame": poses.frame_id or FRAME,
         "stamp_ns": poses.stamp_ns,
         "method": method,
         "polarity": result.blobs.polarity,
+        "calibration_hash": calibration_hash(rig),
+        "covariance_of": list(poses.covariance_of),
         "objects": [_object(poses, index) for index in range(len(poses))],
         "refused": [_refused(refusal, rig) for refusal in poses.refused],
     }
@@ -36,7 +39,10 @@ def result_text(result: Result) -> str:
     """A table of the objects, the depths between them, and what was refused."""
     poses = result.poses
     lines = [pose_table(poses)]
-    between = depths_between(poses.xyz)
+    if len(poses) and (poses.frame_id or len(poses.covariance_of) > 1):
+        frame = poses.frame_id or "the left camera's optical frame"
+        lines.append(f"in {frame}; uncertainty of: {', '.join(poses.covariance_of)}")
+    between = [] if poses.frame_id else depths_between(poses.xyz)
     if 0 < len(between) <= _MAX_DEPTHS:
         lines += ["", "depth between objects, Z(b) - Z(a):"]
         lines += [f"  {pair.first} - {pair.second}  {pair.depth_m * 1000:9.2f} mm" for pair in between]
@@ -66,7 +72,7 @@ def _object(poses: ObjectPoses, index: int) -> dict[str, Any]:
         "covariance_m2": poses.covariance[index].tolist(),
         "ray_gap_m": float(poses.ray_gap[index]),
         "size_m": poses.size_m[index].tolist(),
-        "yaw_rad": float(poses.yaw_rad[index]),
+        "yaw_rad": float(poses.heading_rad[index]),
         "left_px": poses.left_px[index].tolist(),
         "right_px": poses.right_px[index].tolist(),
     }

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from stereo_pick.cli.chain import DOWNSTREAM, Chain
 from stereo_pick.cli.live_table import LiveTable, Positions
 from stereo_pick.cli.options import add_pipeline_options, pipeline_values
+from stereo_pick.cli.positioning import FILE_PARAMETERS, positioning_files
 from stereo_pick.cli.replay import add_source_options, opened_source, source_rig
 from stereo_pick.core.configuration import correspondence_groups, declared, triangulation_groups
 from stereo_pick.core.errors import ParameterError, SourceError
@@ -79,13 +80,14 @@ def run(args: argparse.Namespace) -> int:
     if not _RATES[0] <= args.rate <= _RATES[1]:
         raise ParameterError(f"--rate {args.rate:g} is outside its range {_RATES[0]:g} .. {_RATES[1]:g}")
     source = opened_source(args)
-    source_rig(source, args)  # what is wrong with it is said here, before anything is started
+    rig = source_rig(source, args)  # what is wrong with it is said here, before anything is started
+    files = positioning_files(args, rig)
     capture: dict[str, Value] = {"source": str(args.source), "rate": args.rate, "loop": args.loop}
     capture |= {"left_topic": args.left_topic, "right_topic": args.right_topic}
     capture["max_stamp_offset_s"] = args.max_stamp_offset
     if args.calibration is not None:
         capture["calibration"] = str(args.calibration)
-    outcome = run_chain(capture, pipeline_values(args), LiveTable().show, one_process=args.one_process)
+    outcome = run_chain(capture, {**pipeline_values(args), **files}, LiveTable().show, one_process=args.one_process)
     print(f"{outcome.arrays} pose arrays received" + ("" if args.loop else f" for {source.count} pairs"))
     if not args.loop and not outcome.stopped and outcome.arrays < (source.count or 0):
         print(
@@ -135,7 +137,7 @@ def _start_downstream(chain: Chain, monitor: Monitor, values: Mapping[str, Value
     """Start what listens before what speaks: images are best effort, and nobody repeats them."""
     groups = {
         "correspondence": {"method", *declared(correspondence_groups())},
-        "triangulation": set(declared(triangulation_groups())),
+        "triangulation": {*FILE_PARAMETERS, *declared(triangulation_groups())},
     }
     for node in DOWNSTREAM:
         chain.start(node, {name: value for name, value in values.items() if name in groups.get(node, set())})

@@ -11,6 +11,7 @@ from stereo_pick.core.correspondence.rig_check import rig_fault
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
 from stereo_pick.core.objects import Blobs, Detector
 from stereo_pick.core.poses import ObjectPoses, estimate_poses
+from stereo_pick.core.positioning import Positioning
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
@@ -52,13 +53,16 @@ class Steps:
 class Pipeline:
     """Raw pairs to object poses, for one rig."""
 
-    def __init__(self, rig: StereoRig, steps: Steps) -> None:
+    def __init__(self, rig: StereoRig, steps: Steps, positioning: Positioning | None = None) -> None:
         self.rig = rig
         self.steps = steps
+        self.positioning = positioning or Positioning()
+        self.positioning.check(rig)
         self._rectifier = Rectifier(rig)
 
     def run(self, frame: StereoFrame) -> Result:
         """Return the poses of one raw pair and all that led to them; raises ImageError on a wrong image size."""
         pair = self._rectifier.rectify(frame)
         blobs, correspondences = self.steps.correspond(pair)
-        return Result(pair, blobs, correspondences, self.steps.locate(correspondences, self.rig, frame.stamp_ns))
+        poses = self.positioning.place(self.steps.locate(correspondences, self.rig, frame.stamp_ns), self.rig)
+        return Result(pair, blobs, correspondences, poses)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.correspondence import Correspondences
+from stereo_pick.core.hand_eye.rotations import to_quaternion
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.triangulation import Points
@@ -22,6 +23,8 @@ class ObjectPoses:
     surface; yaw_rad: (N,), direction of the
     object's length, turned from x towards y about z; size_m: (N, 2), length and width of its outline as the left
     camera sees it; covariance: (N, 3, 3) [m²]; ray_gap: (N,) [m]; left_px, right_px: (N, 2) in the raw images [px].
+    covariance_of: whose uncertainty the covariance contains. `positioning` may move xyz and covariance to the frame
+    `frame_id` (else empty), into which frame_R_camera (3, 3) turns from the left optical one; yaw_rad stays.
     """
 
     stamp_ns: int
@@ -33,6 +36,9 @@ class ObjectPoses:
     left_px: Floats
     right_px: Floats
     refused: tuple[Refusal, ...] = ()
+    covariance_of: tuple[str, ...] = ("image",)
+    frame_id: str = ""
+    frame_R_camera: Floats = field(default_factory=lambda: np.eye(3))
 
     def __post_init__(self) -> None:
         count = len(self.xyz)
@@ -42,14 +48,24 @@ class ObjectPoses:
         }  # fmt: skip
         for name, shape in shapes.items():
             object.__setattr__(self, name, floats(name, np.reshape(getattr(self, name), shape), *shape))
+        object.__setattr__(self, "frame_R_camera", floats("frame_R_camera", self.frame_R_camera, 3, 3))
 
     def __len__(self) -> int:
         return len(self.xyz)
 
     def quaternions(self) -> Floats:
-        """Orientations (N, 4) as x, y, z, w."""
-        zero = np.zeros(len(self))
-        return np.stack([zero, zero, np.sin(self.yaw_rad / 2), np.cos(self.yaw_rad / 2)], axis=1)
+        """Orientations (N, 4) as x, y, z, w: the turn by yaw_rad about the camera's z, then that into the frame."""
+        x, y, z, w = to_quaternion(self.frame_R_camera)
+        sine, cosine = np.sin(self.yaw_rad / 2), np.cos(self.yaw_rad / 2)
+        return np.stack(
+            [x * cosine + y * sine, y * cosine - x * sine, z * cosine + w * sine, w * cosine - z * sine], axis=1
+        )
+
+    @property
+    def heading_rad(self) -> Floats:
+        """Direction (N,) of the objects' length about the z axis of the frame; yaw_rad in the camera's own."""
+        length = np.stack([np.cos(self.yaw_rad), np.sin(self.yaw_rad)], axis=1) @ self.frame_R_camera[:, :2].T
+        return np.asarray(np.arctan2(length[:, 1], length[:, 0]))
 
 
 def estimate_poses(points: Points, correspondences: Correspondences, rig: StereoRig, stamp_ns: int) -> ObjectPoses:

@@ -16,6 +16,7 @@ from stereo_pick.cli.main import main
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.files import save_rig
+from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.hand_eye.files import FramedHandEye, load_hand_eye, save_hand_eye
@@ -186,3 +187,17 @@ def test_images_need_the_board_and_must_show_it(tmp_path: Path, capsys: pytest.C
     assert "no such image file" in complaint(tmp_path, content, capsys, *options)
     cv2.imwrite(str(tmp_path / "empty.png"), np.zeros((240, 320), np.uint8))
     assert "empty.png: no 7x5 board found" in complaint(tmp_path, content, capsys, *options)
+
+
+def test_the_calibration_that_was_given_is_recorded(tmp_path: Path) -> None:
+    rig = StereoRig.from_extrinsics(
+        Camera("left", 320, 240, K, np.zeros(5), np.eye(3), np.eye(3, 4)),
+        Camera("right", 320, 240, K, np.zeros(5), np.eye(3), np.eye(3, 4)),
+        Transform(np.eye(3), np.array([-0.1, 0, 0])),
+    )
+    save_rig(rig, tmp_path / "rig")
+    assert run(tmp_path, pairs(), "--calibration", str(tmp_path / "rig")) == 0
+    made = load_hand_eye(tmp_path / "out" / "base_T_camera.yaml")
+    assert made.calibration_hash == calibration_hash(rig)
+    assert run(tmp_path, pairs()) == 0
+    assert load_hand_eye(tmp_path / "out" / "base_T_camera.yaml").calibration_hash == ""

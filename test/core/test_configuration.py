@@ -16,8 +16,10 @@ def test_no_values_make_the_default_steps() -> None:
 
 
 def test_a_value_reaches_its_own_step_only() -> None:
-    made = steps({"method": "ssd", "ssd.window_px": 21, "segmentation.min_area_px": 99, "feature.assignment": "area"})
-    assert made.method == Ssd(window_px=21)
+    made = steps(
+        {"method": "ssd", "ssd.widest_window_px": 21, "segmentation.min_area_px": 99, "feature.assignment": "area"}
+    )
+    assert made.method == Ssd(widest_window_px=21)
     assert made.detector.min_area_px == 99
     assert made.triangulator == Steps().triangulator
 
@@ -26,7 +28,9 @@ def test_every_default_given_by_name_changes_nothing() -> None:
     assert steps({name: each.default for name, each in pipeline_parameters().items()}) == Steps()
 
 
-@pytest.mark.parametrize("values", [{"ssd.window": 15}, {"window_px": 15}, {"method": "sdd"}, {"ssd.window_px": 4}])
+@pytest.mark.parametrize(
+    "values", [{"ssd.window": 15}, {"widest_window_px": 15}, {"method": "sdd"}, {"ssd.widest_window_px": 4}]
+)
 def test_a_wrong_name_or_value_is_refused_with_it(values: dict[str, object]) -> None:
     ((name, value),) = values.items()
     with pytest.raises(ParameterError) as caught:
@@ -35,8 +39,8 @@ def test_a_wrong_name_or_value_is_refused_with_it(values: dict[str, object]) -> 
 
 
 def test_a_value_of_a_method_that_is_not_chosen_is_checked_too() -> None:
-    with pytest.raises(ParameterError, match="ssd.window_px = 4 must be odd"):
-        steps({"method": "feature", "ssd.window_px": 4})
+    with pytest.raises(ParameterError, match="ssd.widest_window_px = 4 must be odd"):
+        steps({"method": "feature", "ssd.widest_window_px": 4})
 
 
 def test_a_misspelt_name_gets_the_one_that_was_meant() -> None:
@@ -45,8 +49,8 @@ def test_a_misspelt_name_gets_the_one_that_was_meant() -> None:
 
 
 def test_assignments_are_read_from_text() -> None:
-    assert parsed(["method=ssd", "ssd.window_px=21", "triangulation.max_ray_gap_m=0.02"]) == {
-        "method": "ssd", "ssd.window_px": 21, "triangulation.max_ray_gap_m": 0.02,
+    assert parsed(["method=ssd", "ssd.widest_window_px=21", "triangulation.max_ray_gap_m=0.02"]) == {
+        "method": "ssd", "ssd.widest_window_px": 21, "triangulation.max_ray_gap_m": 0.02,
     }  # fmt: skip
 
 
@@ -55,7 +59,7 @@ def test_assignments_are_read_from_text() -> None:
     [
         ("method", "'method' must have the form name=value"),
         ("methods=ssd", "no parameter 'methods'; did you mean method"),
-        ("ssd.window_px=wide", "window_px = 'wide' must be of type int"),
+        ("ssd.widest_window_px=wide", "widest_window_px = 'wide' must be of type int"),
         ("segmentation.polarity=grey", "polarity = 'grey' must be one of: auto, bright, dark"),
     ],
 )

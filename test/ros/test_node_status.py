@@ -181,6 +181,38 @@ def _nan(info: Any) -> None:
     info.k[2] = float("nan")
 
 
+@pytest.mark.parametrize("first", ["images", "infos"])
+def test_rectification_takes_the_camera_info_of_the_images_stamp(first: str, graph: Graph) -> None:
+    """The calibration changes with every pair; drivers send camera_info before or after the image."""
+    graph.host(RectificationNode(graph.context))
+    cameras = Cameras(graph)
+    rects = {side: graph.listen(CAMERA_INFO_RECT[side]) for side in SIDES}
+    other = StereoRig.from_extrinsics(RIG.left, RIG.right, Transform(np.eye(3), np.array([-0.2, 0.0, 0.0])))
+
+    def rig_of(time_ns: int) -> StereoRig:
+        return (RIG, other)[(time_ns - START_NS) // STEP_NS % 2]
+
+    def send() -> None:
+        def images() -> None:
+            for side in SIDES:
+                cameras.image(side)
+
+        def infos() -> None:
+            for side in SIDES:
+                cameras.info(side, getattr(rig_of(cameras.stamp_ns), side))
+
+        for step in (images, infos) if first == "images" else (infos, images):
+            step()
+            graph.spin(0.05)
+        cameras.stamp_ns += STEP_NS
+
+    cameras.until(send, lambda: len(rects["right"]) > 10, "pairs of both calibrations")
+    seen = [(stamp_ns(message.header.stamp), -message.p[3] / message.p[0]) for message in rects["right"]]
+    # The very first pairs come before the node knows that the stamps match.
+    assert [baseline for _, baseline in seen[2:]] == [pytest.approx(rig_of(when).baseline_m) for when, _ in seen[2:]]
+    assert {round(baseline, 3) for _, baseline in seen} == {0.1, 0.2}
+
+
 @pytest.mark.parametrize(
     ("spoil", "parts"),
     [

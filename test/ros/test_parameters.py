@@ -71,7 +71,7 @@ def test_a_node_has_just_the_declared_parameters_with_ranges_and_meaning(hosted:
         ("correspondence", "segmentation.threshold_sigma", 50.5, ["segmentation.threshold_sigma", "50"]),
         ("correspondence", "segmentation.polarity", "grey", ["polarity = 'grey'", "auto, bright, dark"]),
         ("correspondence", "method", "guess", ["method = 'guess'", "feature", "ssd"]),
-        ("correspondence", "ssd.window_px", 4.5, ["expected 'Type.INTEGER'"]),
+        ("correspondence", "ssd.widest_window_px", 4.5, ["expected 'Type.INTEGER'"]),
         ("correspondence", "feature.epipolar_tolerance_px", float("nan"), ["epipolar_tolerance_px"]),
         ("triangulation", "triangulation.max_ray_gap_m", 2.0, ["max_ray_gap_m", "1"]),
         ("rectification", "full_scale_16", 65536, ["full_scale_16", "65535"]),
@@ -99,11 +99,11 @@ def test_a_good_value_takes_effect_live(hosted: Any) -> None:
     assert type(node.steps.method).__name__ == "Feature"
     assert graph.set_parameter("correspondence", "method", "ssd").successful
     assert type(node.steps.method).__name__ == "Ssd"
-    assert graph.set_parameter("correspondence", "ssd.window_px", 21).successful
-    assert node.steps.method.window_px == 21
+    assert graph.set_parameter("correspondence", "ssd.widest_window_px", 21).successful
+    assert node.steps.method.widest_window_px == 21
     assert graph.set_parameter("correspondence", "segmentation.polarity", "dark").successful
     assert node.steps.detector.polarity == "dark"
-    for name, value in (("method", "feature"), ("ssd.window_px", 15), ("segmentation.polarity", "auto")):
+    for name, value in (("method", "feature"), ("ssd.widest_window_px", 23), ("segmentation.polarity", "auto")):
         assert graph.set_parameter("correspondence", name, value).successful
     assert type(node.steps.method).__name__ == "Feature"
 

@@ -1,4 +1,4 @@
-"""Chessboard corners in images, found by two detectors neither of which wins on every recording."""
+"""Chessboard corners in images, found by several detectors none of which wins on every recording."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.saddle_model import fitted_corners
 
 Detector = Callable[[Image, Chessboard], Floats | None]
 
@@ -40,9 +41,21 @@ def sector_corners(picture: Image, board: Chessboard) -> Floats | None:
     return np.asarray(corners, np.float64).reshape(-1, 2) if found else None
 
 
+def modelled_corners(picture: Image, board: Chessboard) -> Floats | None:
+    """Corners (N, 2) [px] where a model of two blurred edges that cross fits the picture; None without a board.
+
+    picture: (H, W) uint8.
+    """
+    found = saddle_corners(picture, board)
+    if found is None:
+        return None
+    return fitted_corners(picture, found.reshape(board.rows, board.columns, 2)).reshape(-1, 2)
+
+
 DETECTORS: dict[str, Detector] = {
     "findChessboardCorners + cornerSubPix": saddle_corners,
     "findChessboardCornersSB": sector_corners,
+    "findChessboardCorners + model of crossing edges": modelled_corners,
 }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,18 +49,38 @@ def cross_validate(board: Board, views: Sequence[BoardView], solution: StereoSol
 
     solution: the refinement of all the views, from which every fold begins.
     """
+    epipolar, length = list[Floats](), list[Floats]()
+    for cameras, held in _folds(board, views, solution):
+        epipolar += [epipolar_px(cameras, views[i]) for i in held]
+        length += [length_errors_m(cameras, views[i], board) for i in held]
+    return HeldOut(np.concatenate(epipolar), np.concatenate(length)) if epipolar else None
+
+
+def typical_epipolar_px(
+    board: Board, views: Sequence[BoardView], solution: StereoSolution, measured: Sequence[BoardView]
+) -> float | None:
+    """Rms epipolar error [px] in the median view of those that took no part; None for too few views.
+
+    measured: the corners to measure on in each of the views; they may be more than were calibrated with.
+    """
+    errors_px = [
+        float(np.sqrt(np.mean(epipolar_px(cameras, measured[i]) ** 2)))
+        for cameras, held in _folds(board, views, solution)
+        for i in held
+    ]
+    return float(np.median(errors_px)) if errors_px else None
+
+
+def _folds(board: Board, views: Sequence[BoardView], solution: StereoSolution) -> Iterator[tuple[Cameras, list[int]]]:
+    """The cameras without each part of the views, and which views that part is; nothing where too few would be left."""
     folds = min(FOLDS, len(views))
     if len(views) - -(-len(views) // folds) < MIN_VIEWS:
-        return None
-    epipolar, length = list[Floats](), list[Floats]()
+        return
     for fold in range(folds):
         kept = [i for i in range(len(views)) if i % folds != fold]
         poses = [solution.poses[i] for i in kept]
         cameras = refine(board, [views[i] for i in kept], solution.cameras, poses, solution.model).cameras
-        for i in range(fold, len(views), folds):
-            epipolar.append(epipolar_px(cameras, views[i]))
-            length.append(length_errors_m(cameras, views[i], board))
-    return HeldOut(np.concatenate(epipolar), np.concatenate(length))
+        yield cameras, list(range(fold, len(views), folds))
 
 
 def epipolar_px(cameras: Cameras, view: BoardView) -> Floats:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stereo_pick.core.arrays import Floats
+import numpy as np
+
 from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.consensus import Consensus, agree
@@ -33,9 +34,9 @@ def agree_unless_mirrored(
 
 def _agree_mirrored(board: Chessboard, views: Sequence[BoardView], left: MonoCalibration) -> bool:
     size_px = left.camera.frame_size
-    flipped = [BoardView(view.name, view.left_px, _flipped(view.right_px, size_px[0], board)) for view in views]
+    flipped = [_flipped(view, size_px[0], board) for view in views]
     try:
-        points = [board.object_points()] * len(flipped)
+        points = [view.points(board)[1] for view in flipped]
         right = calibrate_camera("right", [view.right_px for view in flipped], size_px, points)
         agree(board, flipped, left, right)
     except CalibrationError:
@@ -43,7 +44,8 @@ def _agree_mirrored(board: Chessboard, views: Sequence[BoardView], left: MonoCal
     return True
 
 
-def _flipped(corners_px: Floats, width_px: int, board: Chessboard) -> Floats:
-    """The corners in the image flipped left to right, each row in the order that a detector would list there."""
-    grid = corners_px.reshape(board.rows, board.columns, 2)[:, ::-1] * [-1, 1] + [width_px - 1, 0]
-    return grid.reshape(-1, 2)
+def _flipped(view: BoardView, width_px: int, board: Chessboard) -> BoardView:
+    """The view with its right image flipped left to right, each row in the order that a detector would list there."""
+    rows, columns = np.divmod(view.seen[1], board.columns)
+    flipped_px = view.right_px * [-1, 1] + [width_px - 1, 0]
+    return view.with_right(flipped_px, (rows + 1) * board.columns - 1 - columns)

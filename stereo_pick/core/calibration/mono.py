@@ -5,14 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.calibration.any_board import Board
+from stereo_pick.core.calibration.lone_corners import Corners, stand_out
 from stereo_pick.core.calibration.parameters import transform
-from stereo_pick.core.calibration.views import BoardView, RejectedView, check_enough, outlier_limit_px
+from stereo_pick.core.calibration.views import (
+    BoardView,
+    RejectedCorner,
+    RejectedView,
+    check_enough,
+    outlier_limit_px,
+)
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.transform import Transform
@@ -33,24 +41,37 @@ class MonoCalibration:
         return MonoCalibration(self.camera, tuple(self.poses[i] for i in views), self.errors_px[list(views)])
 
 
+class EachAlone(NamedTuple):
+    """Both cameras, the views that they were calibrated from, and what was rejected, now or before."""
+
+    left: MonoCalibration
+    right: MonoCalibration
+    views: list[BoardView]
+    rejected: list[RejectedView]
+    rejected_corners: list[RejectedCorner]
+
+
 def calibrate_cameras(
     views: Sequence[BoardView], size_px: tuple[int, int], board: Board, rejected: Sequence[RejectedView] = ()
-) -> tuple[MonoCalibration, MonoCalibration, list[BoardView], list[RejectedView]]:
-    """Calibrate left and right one by one, leaving out (worst first) the views whose corners are imprecise.
+) -> EachAlone:
+    """Calibrate left and right one by one, leaving out single corners, then (worst first) views that are imprecise.
 
-    Returns left, right, the views kept, and those rejected, now or before. Raises CalibrationError where fewer than
-    three are left or the views do not determine a camera.
+    Raises CalibrationError where fewer than three are left or the views do not determine a camera.
     """
-    kept, out, out_px = list(views), list(rejected), list[tuple[float, float]]()
+    kept, out, corners, out_px = list(views), list(rejected), list[RejectedCorner](), list[tuple[float, float]]()
     while True:
         check_enough(kept, out, board)
         left = calibrate_camera("left", [view.left_px for view in kept], size_px, [v.points(board)[0] for v in kept])
         right = calibrate_camera("right", [view.right_px for view in kept], size_px, [v.points(board)[1] for v in kept])
+        kept, wrong = without_wrong_corners(board, kept, (left, right))
+        if wrong:
+            corners += wrong
+            continue
         errors_px = np.c_[left.errors_px, right.errors_px]
         limits_px = [outlier_limit_px(errors_px[:, side], [error[side] for error in out_px]) for side in (0, 1)]
         worst, side = (int(i) for i in np.unravel_index((errors_px / limits_px).argmax(), errors_px.shape))
         if errors_px[worst, side] <= limits_px[side]:
-            return left, right, kept, out
+            return EachAlone(left, right, kept, out, corners)
         out.append(RejectedView(kept.pop(worst).name, _imprecise(("left", "right")[side], errors_px[:, side], worst)))
         out_px.append((errors_px[worst, 0], errors_px[worst, 1]))
 
@@ -100,3 +121,23 @@ def _imprecise(side: str, errors_px: Floats, worst: int) -> str:
         f"corners of the {side} image are off by {errors_px[worst]:.2f} px, those of the other views by "
         f"{np.median(errors_px):.2f} px: over-exposed, blurred or hidden in part"
     )
+
+
+def without_wrong_corners(
+    board: Board, views: Sequence[BoardView], cameras: tuple[MonoCalibration, MonoCalibration]
+) -> tuple[list[BoardView], list[RejectedCorner]]:
+    """Leave out the corners that stand out of the others in their image, and name them."""
+    pictures = [
+        Corners(points[:, :2], seen_px - alone.camera.project(alone.poses[i].apply(points)))
+        for i, view in enumerate(views)
+        for alone, points, seen_px in zip(cameras, view.points(board), view.corners_px)
+    ]
+    wrong_px = stand_out(pictures)
+    kept, rejected = list[BoardView](), list[RejectedCorner]()
+    for view, left, right in zip(views, wrong_px[::2], wrong_px[1::2]):
+        kept.append(view if not (left.any() or right.any()) else view.keep(left == 0, right == 0))
+        for side, off_px, seen in zip(("left", "right"), (left, right), view.seen):
+            rejected += [
+                RejectedCorner(view.name, side, int(seen[i]), float(off_px[i])) for i in np.flatnonzero(off_px)
+            ]
+    return kept, rejected

@@ -113,6 +113,7 @@ def _content(result: CalibrationResult) -> dict[str, Any]:
         "views": {
             "used": [asdict(view) for view in result.used],
             "rejected": [asdict(view) for view in result.rejected],
+            "rejected_corners": [asdict(corner) for corner in result.rejected_corners],
         },
     }
 

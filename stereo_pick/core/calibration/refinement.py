@@ -25,7 +25,7 @@ from stereo_pick.core.calibration.parameters import (
     transform,
 )
 from stereo_pick.core.calibration.residuals import view_residuals
-from stereo_pick.core.calibration.views import BoardView
+from stereo_pick.core.calibration.views import FINEST_PX, BoardView
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.transform import Transform
@@ -35,7 +35,6 @@ Points = tuple[Floats, Floats]
 _MAX_STEPS = 200
 _MIN_DAMPING, _MAX_DAMPING = 1e-12, 1e10
 _EPS = 1e-12
-_FINEST_PX = 1e-3  # no corner is found better; what explains less explains nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +91,7 @@ class StereoSolution:
         Two models of the same views differ by what the coefficients explain, less `price` for each of them.
         """
         residuals_px = self.coordinates_px
-        variance = max(float(np.mean(residuals_px**2)), _FINEST_PX**2)
+        variance = max(float(np.mean(residuals_px**2)), FINEST_PX**2)
         return float(residuals_px.size * np.log(variance) + 2 * self.model.coefficients * price)
 
     @property

@@ -15,7 +15,7 @@ from stereo_pick.core.calibration.held_out import HeldOut, cross_validate
 from stereo_pick.core.calibration.refinement import StereoSolution
 from stereo_pick.core.calibration.residual_table import CameraResiduals, residual_table
 from stereo_pick.core.calibration.uncertainty import CalibrationUncertainty
-from stereo_pick.core.calibration.views import BoardView, RejectedView
+from stereo_pick.core.calibration.views import BoardView, RejectedCorner, RejectedView
 from stereo_pick.core.rig import StereoRig
 
 FEW_VIEWS = 8
@@ -45,7 +45,8 @@ class CalibrationResult:
     """A calibrated rig and how it came about.
 
     solution: the joint refinement of `views`, the pairs used, whose right corners are in the left ones' order;
-    rms_left_px, rms_right_px: rms distance [px] of the corners with each camera calibrated alone.
+    rms_left_px, rms_right_px: rms distance [px] of the corners with each camera calibrated alone;
+    rejected_corners: what was left out of the pairs used; found: these pairs with all corners that were found.
     """
 
     rig: StereoRig
@@ -55,6 +56,8 @@ class CalibrationResult:
     rms_left_px: float
     rms_right_px: float
     rejected: tuple[RejectedView, ...]
+    rejected_corners: tuple[RejectedCorner, ...]
+    found: tuple[BoardView, ...]
     detector: str
 
     @property

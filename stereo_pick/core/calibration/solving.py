@@ -10,6 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.distortion import supported
+from stereo_pick.core.calibration.held_out import typical_epipolar_px
 from stereo_pick.core.calibration.mirrored import agree_unless_mirrored
 from stereo_pick.core.calibration.mono import MonoCalibration, calibrate_cameras
 from stereo_pick.core.calibration.outliers import refine_without_outliers, without_gross
@@ -39,13 +40,15 @@ def calibrate(
     from one place, left and right swapped, pairs that do not belong together.
     """
     check_views(views, board)
-    left, right, kept, rejected = calibrate_cameras(views, size_px, board, rejected)
+    left, right, kept, rejected, corners = calibrate_cameras(views, size_px, board, rejected)
     consensus = agree_unless_mirrored(board, kept, left, right)
+    found = consensus.as_found(views)
     used, rejected = without_gross(consensus, rejected)
     usual, used, rejected = refine_without_outliers(board, consensus, used, rejected, left, right)
     left, right, pairs = left.only(used), right.only(used), [consensus.views[i] for i in used]
     solution = supported(usual, lambda model: refine(board, pairs, usual.cameras, usual.poses, model))
     _check(solution, left)
+    names = {view.name for view in pairs}
     return CalibrationResult(
         rig=StereoRig.from_extrinsics(*solution.cameras),
         board=board,
@@ -54,6 +57,8 @@ def calibrate(
         rms_left_px=_rms(left.errors_px),
         rms_right_px=_rms(right.errors_px),
         rejected=tuple(rejected),
+        rejected_corners=tuple(corner for corner in consensus.of_board(corners) if corner.view in names),
+        found=tuple(found[i] for i in used),
         detector=detector,
     )
 
@@ -61,9 +66,9 @@ def calibrate(
 def calibrate_best(recordings: Sequence[Detections], board: Board) -> CalibrationResult:
     """Calibrate from what each detector found in one recording, and keep the surest result.
 
-    That is the one whose corners the calibration predicts best in views that took no part, weighed by
-    the number of views. Raises CalibrationError as `calibrate` does
-    where no detector's corners give a rig; the error is that of the detector that found most.
+    That is the one whose corners the calibration predicts best in views that took no part, weighed by the number of
+    views; a later detector must be better than those before it by what so many views can tell. Raises CalibrationError
+    as `calibrate` does where no detector's corners give a rig; the error is that of the detector that found most.
     """
     results, failures = list[CalibrationResult](), list[tuple[int, CalibrationError]]()
     for found in recordings:
@@ -73,13 +78,21 @@ def calibrate_best(recordings: Sequence[Detections], board: Board) -> Calibratio
             failures.append((len(found.views), error))
     if not results:
         raise max(failures, key=lambda failure: failure[0])[1]
-    return min(results, key=_unsureness_px)
+    best = results[0]
+    for result in results[1:]:
+        # An rms of V independent errors is sure to one part in the root of 2 V, and a view's errors are one error.
+        if _unsureness_px(result) < (1 - 1 / math.sqrt(2 * len(result.views))) * _unsureness_px(best):
+            best = result
+    return best
 
 
 def _unsureness_px(result: CalibrationResult) -> float:
-    """What the errors of single views leave in the mean of them all [px]."""
-    error_px = result.held_out.epipolar_rms_px if result.held_out else result.rms_px
-    return error_px / math.sqrt(len(result.views))
+    """What the errors of single views leave in the mean of them all [px].
+
+    On all corners that were found: a detector is not better for corners that had to be left out.
+    """
+    error_px = typical_epipolar_px(result.board, result.views, result.solution, result.found)
+    return (error_px or result.rms_px) / math.sqrt(len(result.views))
 
 
 def _check(solution: StereoSolution, left: MonoCalibration) -> None:

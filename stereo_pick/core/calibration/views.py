@@ -7,13 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Ints, floats, frozen
+from stereo_pick.core.arrays import Bools, Floats, Ints, floats, frozen
 from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.errors import ArrayError, CalibrationError
 
 MIN_VIEWS = 3
-_TIMES_MEDIAN = 3.0
-_MIN_OUTLIER_PX = 0.1  # what a detector gets wrong on a good image; never an outlier
+FINEST_PX = 1e-3  # no corner is found better
+MAD_TO_SIGMA = 1.4826  # of normal errors: standard deviation by median absolute deviation
+_WORTHLESS = 3.0  # times the usual error: a ninth of the usual weight
+_BEYOND_DOUBT = 5.0  # standard deviations
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,16 @@ class BoardView:
         seen, in_left, in_right = np.intersect1d(*self.seen, assume_unique=True, return_indices=True)
         return BoardView(self.name, self.left_px[in_left], self.right_px[in_right], seen, seen)
 
+    def with_right(self, right_px: Floats, right_seen: Ints) -> BoardView:
+        """The view with other right corners (M, 2) [px]; right_seen (M,): which of the board's they are, unsorted."""
+        order = np.argsort(right_seen)
+        return BoardView(self.name, self.left_px, right_px[order], self.left_seen, right_seen[order])
+
+    def keep(self, left: Bools, right: Bools) -> BoardView:
+        """The view with only these of its left corners (N,) and of its right ones (M,)."""
+        left_seen, right_seen = self.seen
+        return BoardView(self.name, self.left_px[left], self.right_px[right], left_seen[left], right_seen[right])
+
 
 def ascending(name: str, indices: Ints) -> Ints:
     """A read-only copy of the indices; raises ArrayError where they do not grow from 0 or more."""
@@ -79,6 +91,28 @@ class RejectedView:
 
     name: str
     reason: str
+
+
+@dataclass(frozen=True)
+class RejectedCorner:
+    """A corner that was left out of one image, `left` or `right`, of a view that stays.
+
+    corner: which of the board's `object_points()` it is; residual_px: how far [px] it is from where the view's other
+    corners put it.
+    """
+
+    view: str
+    side: str
+    corner: int
+    residual_px: float
+
+    def describe(self, board: Board) -> str:
+        """What to tell people; rows and columns are counted from 1."""
+        row, column = divmod(self.corner, board.grid[0])
+        return (
+            f"{self.view}: {self.side} corner in row {row + 1}, column {column + 1} is {self.residual_px:.2f} px from "
+            "where the others put it"
+        )
 
 
 @dataclass(frozen=True)
@@ -118,8 +152,13 @@ def check_enough(views: Sequence[BoardView], rejected: Sequence[RejectedView], b
 
 
 def outlier_limit_px(errors_px: Floats, rejected_px: Sequence[float]) -> float:
-    """The error [px] above which a view does not belong to the others: three times the median.
+    """The error [px] above which a view does not belong to the others.
 
-    Views rejected before stay in the median: it would sink with each, and reject ever better views.
+    It must be three times the usual one, and beyond what the others differ from each other by: five standard
+    deviations of the errors' logarithms. Both are by medians, in which the views rejected before stay: the limit would
+    sink with each, and reject ever better views.
     """
-    return max(_TIMES_MEDIAN * float(np.median([*errors_px, *rejected_px])), _MIN_OUTLIER_PX)
+    logs = np.log(np.maximum([*errors_px, *rejected_px], FINEST_PX))
+    usual = np.median(logs)
+    spread = MAD_TO_SIGMA * np.median(np.abs(logs - usual))
+    return float(np.exp(usual + max(np.log(_WORTHLESS), _BEYOND_DOUBT * spread)))

@@ -12,9 +12,11 @@ from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.correspondence.left_over import left_over
+from stereo_pick.core.correspondence.matching import Evidence, WindowMatching
 from stereo_pick.core.correspondence.method import Method
-from stereo_pick.core.correspondence.window import Grey, WindowFit, refine, ssd_along_row, window_at
-from stereo_pick.core.errors import ParameterError
+from stereo_pick.core.correspondence.refinement import refine
+from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_at
+from stereo_pick.core.correspondence.window import Grey, factor, misfit_along_row, window_at
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.params import parameter
@@ -25,93 +27,111 @@ _FULL_WINDOW_PX = 3
 
 
 @dataclass(frozen=True)
-class Ssd(Method):
+class Ssd(Method, WindowMatching):
     """Correlates the window around each left centroid along its epipolar line; finds a point of the surface.
 
-    Needs texture: on a plain part there is nothing to correlate, and the part is refused.
+    Needs texture: on a plain part there is nothing to correlate, and the part is refused. Windows stay within the
+    outline as far as they can: behind the edge lies another depth, and that of a round part is no fixed line on it.
     """
 
     search: str = parameter(
         "epipolar",
         "Where the window is looked for: along the epipolar line within the region of interest, checked and to a part "
-        "of a pixel; or, as in the thesis's unmodified method, 3 x 3 over the whole right image, taken as it comes.",
+        "of a pixel; or, as in the thesis's unmodified method, SSD of 3 x 3 over the whole right image, taken as it "
+        "comes.",
         choices=("epipolar", "full"),
     )
-    window_px: int = parameter(15, "Width and height of the window; odd.", low=3, high=101)
-    max_sigma_px: float = parameter(
-        0.15, "Uncertainty of the match, by its texture and residual, from which it is refused.", low=0.01, high=2.0
-    )
-    min_similarity: float = parameter(
-        0.5, "Part of the window's own variation that the match must explain.", low=0.0, high=1.0
-    )
-    min_uniqueness: float = parameter(
-        1.2, "By what factor the next best place on the line must correlate worse.", low=1.0, high=10.0
-    )
-    left_right_tolerance_px: float = parameter(
-        1.0, "How far the match, looked for in the left view, may come out from where it started.", low=0.05, high=10.0
-    )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if self.window_px % 2 == 0:
-            raise ParameterError(f"window_px = {self.window_px} must be odd")
 
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         """Return left centroids and where their surroundings appear in the right view, left to right."""
         left, right = blobs.sound()
         images = pair.left.astype(np.float32), pair.right.astype(np.float32)
-        disparities_px = self.disparities_px(pair.rig)
+        line = _Line(images, noise_dn(images[0]), left, right, self.disparities_px(pair.rig))
         matches: list[Match] = []
         refused = left_over(blobs, [*left, *right], Feature().similarity(pair.rig))
         for blob in left:
             if self.search == "full":
                 matches.append(_match(blob, _full_search(*images, blob.centroid_px), _FULL_WINDOW_PX))
                 continue
-            found = self._find(images, blob, left, right, disparities_px)
+            found = self._find(line, blob)
             if isinstance(found, Refusal):
                 refused.append(found)
             else:
-                matches.append(_match(blob, np.array([found.column_px, blob.centroid_px[1]]), found.sigma_px))
-        matches, doubled = _without_doubles(matches, self.window_px if self.search == "epipolar" else 0)
+                matches.append(_match(blob, *found))
+        matches, doubled = _without_doubles(matches, self.narrowest_window_px if self.search == "epipolar" else 0)
         return collect(matches, [*refused, *doubled])
 
-    def _find(
-        self,
-        images: tuple[Grey, Grey],
-        blob: Blob,
-        left: list[Blob],
-        right: list[Blob],
-        disparities_px: tuple[float, float],
-    ) -> WindowFit | Refusal:
-        """The window's place on the epipolar line of a left centroid, or why there is none."""
+    def _find(self, line: _Line, blob: Blob) -> tuple[Floats, float] | Refusal:
+        """Right point (2,) of a left centroid and its sigma [px], or why there is none.
+
+        Tried with the narrowest window that the texture allows, and with wider ones until one is believed.
+        """
         here = blob.centroid_px
-        least, most = disparities_px
-        columns = _region_of_interest(right, float(here[1]), images[1].shape[1], (here[0] - most, here[0] - least))
+        columns = line.columns(here)
         if not columns.any():
             return Refusal("left_only", here, None)
-        cost = ssd_along_row(images[0], images[1], here, self.window_px)
-        best = int(np.where(columns, cost, np.inf).argmin())
-        fit = refine(images[0], images[1], here, float(best), self.window_px)
-        if fit.sigma_px > self.max_sigma_px:
-            return Refusal("no_texture", here, None, f"sigma {fit.sigma_px:.2f} px")
-        if fit.similarity < self.min_similarity:
-            return Refusal("poor_match", here, None, f"similarity {fit.similarity:.2f}")
-        if not here[0] - most <= fit.column_px <= here[0] - least:
-            return Refusal("left_only", here, None, "fits beyond the depth range")
-        if _next_best(cost, columns, best, self.window_px) <= self.min_uniqueness * cost[best]:
-            return Refusal("ambiguous", here, None)
-        returned_px = self._return(images, here, fit.column_px, left)
-        if abs(returned_px - here[0]) > self.left_right_tolerance_px:
-            return Refusal("poor_match", here, None, f"leads back {returned_px - here[0]:+.1f} px beside its start")
-        return fit
+        sizes = _within_outline(blob, self.sizes_px())
+        refusal = Refusal("no_texture", here, None)
+        for window_px in sizes:
+            predicted_px = predicted_sigma_at(line.images[0], here, line.noise_dn, window_px, self.cost)
+            if predicted_px > self.enough_px(last=window_px == sizes[-1]):
+                continue
+            column_px, evidence = line.look(here, columns, window_px, self.cost)
+            reason = str(self.judge(evidence)[0])
+            if not reason:
+                return np.array([column_px, here[1]]), float(evidence.sigma_px[0])
+            refusal = Refusal(reason, here, None, self.detail(reason, evidence))
+        return refusal
 
-    def _return(self, images: tuple[Grey, Grey], here: Floats, column_px: float, left: list[Blob]) -> float:
-        """Left column to which the right view's window at `column_px` leads back."""
-        there = np.array([column_px, here[1]])
-        columns = _region_of_interest(left, float(here[1]), images[0].shape[1], (-np.inf, np.inf))
-        cost = ssd_along_row(images[1], images[0], there, self.window_px)
-        best = float(np.where(columns, cost, np.inf).argmin())
-        return refine(images[1], images[0], there, best, self.window_px).column_px
+
+@dataclass(frozen=True, eq=False)
+class _Line:
+    """Where the objects of both views are, for looking along a row; disparities_px: the least and the greatest."""
+
+    images: tuple[Grey, Grey]
+    noise_dn: float
+    left: list[Blob]
+    right: list[Blob]
+    disparities_px: tuple[float, float]
+
+    def columns(self, here_px: Floats) -> Bools:
+        """Mask (W,) of the right view's columns in which a left point (2,) may be found."""
+        least, most = self.disparities_px
+        limits_px = float(here_px[0]) - most, float(here_px[0]) - least
+        return _region_of_interest(self.right, float(here_px[1]), self.images[1].shape[1], limits_px)
+
+    def look(self, here_px: Floats, columns: Bools, window_px: int, cost: str) -> tuple[float, Evidence]:
+        """Column of the right view that fits a left point (2,) best, and what speaks for it."""
+        along = misfit_along_row(*self.images, here_px, window_px, cost)
+        best = int(np.where(columns, along, np.inf).argmin())
+        elsewhere = columns & (np.abs(np.arange(len(along)) - best) > window_px // 2)
+        next_best = float(np.where(elsewhere, along, np.inf).min())
+        fit = refine(self.images, here_px[None], np.array([float(best)]), window_px, cost)
+        column_px = float(fit.column_px[0])
+        least, most = self.disparities_px
+        evidence = Evidence(
+            sigma_px=fit.sigma_px,
+            similarity=fit.similarity,
+            within=np.array([least <= here_px[0] - column_px <= most]),
+            uniqueness=np.array([factor(next_best, along[best])]),
+            return_px=np.array([self._back(np.array([column_px, here_px[1]]), window_px, cost) - here_px[0]]),
+        )
+        return column_px, evidence
+
+    def _back(self, there_px: Floats, window_px: int, cost: str) -> float:
+        """Left column to which a point (2,) of the right view leads back."""
+        views = self.images[1], self.images[0]
+        columns = _region_of_interest(self.left, float(there_px[1]), views[1].shape[1], (-np.inf, np.inf))
+        along = misfit_along_row(*views, there_px, window_px, cost)
+        best = float(np.where(columns, along, np.inf).argmin())
+        return float(refine(views, there_px[None], np.array([best]), window_px, cost).column_px[0])
+
+
+def _within_outline(blob: Blob, sizes_px: list[int]) -> list[int]:
+    """The windows around the centroid that show nothing but the object; at least the narrowest."""
+    centre = float(blob.centroid_px[0]), float(blob.centroid_px[1])
+    reach_px = cv2.pointPolygonTest(blob.contour_px.astype(np.float32), centre, True)
+    return [size for size in sizes_px if size <= np.sqrt(2) * reach_px] or sizes_px[:1]
 
 
 def _region_of_interest(blobs: list[Blob], row_px: float, width_px: int, limits_px: tuple[float, float]) -> Bools:
@@ -123,12 +143,6 @@ def _region_of_interest(blobs: list[Blob], row_px: float, width_px: int, limits_
             columns[max(0, int(first)) : int(last) + 1] = True
     u = np.arange(width_px)
     return columns & (u >= limits_px[0]) & (u <= limits_px[1])
-
-
-def _next_best(cost: Floats, columns: Bools, best: int, window_px: int) -> float:
-    """Least cost on the line, further than half a window from the best place."""
-    elsewhere = columns & (np.abs(np.arange(len(cost)) - best) > window_px // 2)
-    return float(np.where(elsewhere, cost, np.inf).min())
 
 
 def _full_search(left: Grey, right: Grey, here_px: Floats) -> Floats:

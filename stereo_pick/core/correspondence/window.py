@@ -1,8 +1,8 @@
-"""Windows of two views compared: the sum of squared differences (thesis eq. 3.8), to a part of a pixel."""
+"""Windows of two views compared: sum of squared differences (thesis eq. 3.8) and normalised cross-correlation."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -12,19 +12,10 @@ from stereo_pick.core.arrays import Floats
 
 Grey = NDArray[np.float32]
 
-_MAX_ITERATIONS = 20
-_MAX_STEP_PX = 0.5
-_CONVERGED_PX = 1e-3
-
-
-@dataclass(frozen=True)
-class WindowFit:
-    """Where a window lies in the other view: its column [px]; one sigma of that from residual and texture [px];
-    and the part of the window's own variation that the match explains (1 all, 0 none)."""
-
-    column_px: float
-    sigma_px: float
-    similarity: float
+COSTS = ("zncc", "ssd")
+_MAX_GAIN = 1.5  # of one camera over the other within a window; more of it makes noise out of an edge
+_LEAST_VARIANCE_DN2 = 1e-6
+_ROUNDING_DN2 = 2 / 12  # of two images of whole grey levels: a misfit below it says nothing
 
 
 def window_at(image: Grey, centre_px: Floats, width_px: int, height_px: int | None = None) -> Grey:
@@ -33,36 +24,37 @@ def window_at(image: Grey, centre_px: Floats, width_px: int, height_px: int | No
     return np.asarray(cv2.getRectSubPix(image, size, (float(centre_px[0]), float(centre_px[1]))), np.float32)
 
 
-def ssd_along_row(one: Grey, other: Grey, centre_px: Floats, window_px: int) -> Floats:
-    """SSD (W,) of the window around a point (2,) of `one` with that around each column of the same row of `other`."""
+def misfit(cost: str, mean_a: Any, mean_b: Any, aa: Any, bb: Any, ab: Any) -> Any:
+    """Mean square that window b leaves unexplained of window a [dn²], from the means of a, b, a², b² and a b.
+
+    `ssd`: of the plain difference. `zncc`: of the difference after the best offset and gain. With the gain free that
+    is (1 - r²) times the variance of a, where r is the zero-mean normalised cross-correlation, so its least value is
+    the greatest correlation. Arrays are broadcast.
+    """
+    if cost == "ssd":
+        return np.maximum(aa + bb - 2 * ab, 0)
+    covariance = ab - mean_a * mean_b
+    variance_a, variance_b = aa - mean_a**2, bb - mean_b**2
+    gain = np.clip(covariance / np.maximum(variance_b, _LEAST_VARIANCE_DN2), 1 / _MAX_GAIN, _MAX_GAIN)
+    return np.maximum(variance_a + gain * (gain * variance_b - 2 * covariance), 0)
+
+
+def misfit_along_row(one: Grey, other: Grey, centre_px: Floats, window_px: int, cost: str) -> Floats:
+    """Misfit (W,) of the window around a point (2,) of `one` with that around each column of the row of `other`."""
     width = other.shape[1]
     template = window_at(one, centre_px, window_px)
-    middle = np.array([(width - 1) / 2, centre_px[1]])
-    strip = window_at(other, middle, width + window_px - 1, window_px)
-    return np.asarray(cv2.matchTemplate(strip, template, cv2.TM_SQDIFF)[0], np.float64)
+    strip = window_at(other, np.array([(width - 1) / 2, centre_px[1]]), width + window_px - 1, window_px)
+    level = template.mean()  # taken off before squaring, which single precision would not bear
+    template, strip = template - level, strip - level
+    count = template.size
+    ab = cv2.matchTemplate(strip, template, cv2.TM_CCORR)[0] / count
+    over_window = np.ones(window_px) / count
+    mean_b = np.convolve(strip.sum(axis=0, dtype=np.float64), over_window, "valid")
+    bb = np.convolve((strip**2).sum(axis=0, dtype=np.float64), over_window, "valid")
+    found = misfit(cost, float(template.mean()), mean_b, float((template**2).mean()), bb, ab)
+    return np.asarray(found, np.float64)
 
 
-def refine(one: Grey, other: Grey, centre_px: Floats, column_px: float, window_px: int) -> WindowFit:
-    """Move the window in `other` along the row to where it fits best (Lucas and Kanade 1981).
-
-    The gradient is the mean of both windows': a parabola through three SSD values locks to whole pixels, and the
-    gradient of one window alone is biased by the other's noise.
-    """
-    template = window_at(one, centre_px, window_px + 2, window_px)
-    for _ in range(_MAX_ITERATIONS):
-        moved = window_at(other, np.array([column_px, centre_px[1]]), window_px + 2, window_px)
-        gradient = (_slope(template) + _slope(moved)) / 2
-        difference = (template - moved)[:, 1:-1]
-        step = float((gradient * difference).sum()) / (float((gradient**2).sum()) + 1e-9)
-        column_px += float(np.clip(step, -_MAX_STEP_PX, _MAX_STEP_PX))
-        if abs(step) < _CONVERGED_PX:
-            break
-    squares = float((difference**2).sum())
-    inner = template[:, 1:-1]
-    sigma_px = np.sqrt(squares / inner.size / (float((gradient**2).sum()) + 1e-9))
-    similarity = 1 - squares / (float(((inner - inner.mean()) ** 2).sum()) + 1e-9)
-    return WindowFit(column_px, float(sigma_px), similarity)
-
-
-def _slope(window: Grey) -> Grey:
-    return (window[:, 2:] - window[:, :-2]) * np.float32(0.5)
+def factor(next_best: Any, best: Any) -> Any:
+    """By what factor one misfit [dn²] is worse than another; 1 where both are mere rounding."""
+    return np.maximum(next_best, _ROUNDING_DN2) / np.maximum(best, _ROUNDING_DN2)

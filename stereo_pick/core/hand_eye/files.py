@@ -9,10 +9,12 @@ from typing import Any
 import yaml
 
 from stereo_pick.core.arrays import floats
+from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.hand_eye.recording import about, read_mapping, read_pose
 from stereo_pick.core.hand_eye.result import Attempt, HandEye, Residual, UncertainTransform
 from stereo_pick.core.hand_eye.rotations import to_quaternion
+from stereo_pick.core.rig import StereoRig
 
 _NOTE = "covariance: 6 x 6, rotation vector [rad] before translation [m], both in the parent frame"
 
@@ -21,16 +23,26 @@ _NOTE = "covariance: 6 x 6, rotation vector [rad] before translation [m], both i
 class FramedHandEye:
     """A hand-eye calibration and the names of its frames (REP 105), such as base_link and left_camera_optical_frame.
 
+    calibration_hash: of the rig it was made with; empty where that is unknown.
     Raises CalibrationError where a name is empty or both are the same.
     """
 
     hand_eye: HandEye
     parent_frame: str
     child_frame: str
+    calibration_hash: str = ""
 
     def __post_init__(self) -> None:
         if not self.parent_frame or not self.child_frame or self.parent_frame == self.child_frame:
             raise CalibrationError(f"frames {self.parent_frame!r} and {self.child_frame!r} must be two different names")
+
+    def check(self, rig: StereoRig) -> None:
+        """Raise CalibrationError where it was made with another calibration than this rig's."""
+        if self.calibration_hash not in ("", calibration_hash(rig)):
+            raise CalibrationError(
+                f"the hand-eye file was made with another calibration ({self.calibration_hash}) than the one in use "
+                f"({calibration_hash(rig)}): make it anew with `stereo-pick hand-eye`, or take the calibration before"
+            )
 
 
 def save_hand_eye(framed: FramedHandEye, path: Path) -> None:
@@ -60,7 +72,8 @@ def load_hand_eye(path: Path) -> FramedHandEye:
                 tuple(Attempt(**each) for each in data["attempts"]),
                 tuple(data["warnings"]),
             )
-            return FramedHandEye(hand_eye, str(data["parent_frame"]), str(data["child_frame"]))
+            made_with = str(data.get("calibration_hash", ""))
+            return FramedHandEye(hand_eye, str(data["parent_frame"]), str(data["child_frame"]), made_with)
         except KeyError as error:
             raise CalibrationError(f"field {error} is missing: is it a file of stereo-pick hand-eye?") from None
 
@@ -74,6 +87,7 @@ def _to_mapping(framed: FramedHandEye) -> dict[str, Any]:
         "name": hand_eye.name,
         "parent_frame": framed.parent_frame,
         "child_frame": framed.child_frame,
+        "calibration_hash": framed.calibration_hash,
         "pose": {
             "xyz_m": transform.translation.tolist(),
             "quaternion_xyzw": to_quaternion(transform.rotation).tolist(),

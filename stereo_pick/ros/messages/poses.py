@@ -15,7 +15,7 @@ from stereo_pick.ros.messages.tables import table_message
 _COVARIANCE = [f"cov_{a}{b}" for a in "xyz" for b in "xyz"]
 _COLUMNS = ("x", "y", "z", "yaw", "length", "width", "ray_gap", "left_u", "left_v", "right_u", "right_v", *_COVARIANCE)
 OBJECT_ROW = np.dtype([(name, np.float64) for name in _COLUMNS])
-"""Columns of `objects`: metres and radians in the left optical frame, raw pixels, covariance in m²."""
+"""Columns of `objects`: metres and radians in the frame of the header, raw pixels, covariance in m²."""
 
 
 def pose_array_message(poses: ObjectPoses, frame_id: str) -> PoseArray:
@@ -27,7 +27,7 @@ def objects_message(poses: ObjectPoses, frame_id: str) -> PointCloud2:
     """The same objects with size, ray gap, raw pixels and covariance; row i belongs to pose i."""
     table = np.column_stack(
         [
-            poses.xyz, poses.yaw_rad, poses.size_m, poses.ray_gap,
+            poses.xyz, poses.heading_rad, poses.size_m, poses.ray_gap,
             poses.left_px, poses.right_px, poses.covariance.reshape(len(poses), 9),
         ]
     )  # fmt: skip

@@ -13,10 +13,11 @@ from stereo_pick.core.configuration import configured, declared
 from stereo_pick.core.errors import StereoPickError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import pixels
-from stereo_pick.core.pairing import Pair
+from stereo_pick.core.pairing import Pair, Side
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.ros.info_of_stamp import InfoOfStamp
 from stereo_pick.ros.messages.cameras import camera_info_message, camera_of, content
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status
 from stereo_pick.ros.messages.images import buffer_of, image_message
@@ -26,7 +27,9 @@ from stereo_pick.ros.process import run_nodes
 from stereo_pick.ros.raw_pairs import RawPairs
 from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RECT, SIDES
 
-_MAX_HELD = 5  # pairs that wait for the first camera_info
+_MAX_HELD = 5  # pairs that wait for their camera_info
+
+Infos = tuple[CameraInfo, CameraInfo]
 
 
 @dataclass(frozen=True)
@@ -42,10 +45,14 @@ class RectificationOptions(Configurable):
 
 
 class RectificationNode(StepNode):
-    """Pairs raw images by stamp and publishes them rectified, with the stamp of the left one."""
+    """Pairs raw images by stamp and publishes them rectified, with the stamp of the left one.
+
+    A pair is rectified by the camera_info of its own stamps, where the cameras' drivers stamp them alike.
+    """
 
     def __init__(self, context: Context) -> None:
-        self._infos: dict[str, CameraInfo] = {}
+        self._infos = {side: InfoOfStamp() for side in SIDES}
+        self._used: Infos | None = None
         self._rectifier: Rectifier | None = None
         self._refused: StereoPickError | None = None
         self._held: list[Pair[Image]] = []
@@ -76,7 +83,9 @@ class RectificationNode(StepNode):
             return replace(trouble, values=values)
         if self._refused is not None:
             return Status(ERROR, str(self._refused), values)
-        missing = [self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if side not in self._infos]
+        missing = [
+            self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if self._infos[side].latest is None
+        ]
         if missing:
             message = f"no message on {' and '.join(missing)}: is the camera calibrated, and its camera_info published?"
             return Status(ERROR, message, values)
@@ -86,32 +95,51 @@ class RectificationNode(StepNode):
             return Status(ERROR, self.last_error or f"none of {counts.pairs} pairs could be rectified", values)
         return Status(OK, f"{self._rectified} pairs rectified", values)
 
-    def _on_camera_info(self, side: str, message: CameraInfo) -> None:
-        known = self._infos.get(side)
-        self._infos[side] = message
-        if known is not None and content(known) == content(message) and self._rectifier is not None:
-            return
-        if len(self._infos) == len(SIDES):
-            self._calibrate()
-            held, self._held = self._held, []
-            for pair in held:
+    def _on_camera_info(self, side: Side, message: CameraInfo) -> None:
+        self._infos[side].add(message)
+        self._rectify_held()
+
+    def _on_pair(self, pair: Pair[Image]) -> None:
+        self._held = [*self._held, pair][-_MAX_HELD:]
+        self._rectify_held()
+
+    def _rectify_held(self) -> None:
+        """Rectify what has its camera_info; the last pair waits for it until the next one comes, not longer."""
+        while self._held:
+            stamps = (self._held[0].left_stamp_ns, self._held[0].right_stamp_ns)
+            sides = [(self._infos[side], stamp) for side, stamp in zip(SIDES, stamps)]
+            if any(info.latest is None for info, _ in sides):
+                return
+            if len(self._held) == 1 and any(info.awaits(stamp) for info, stamp in sides):
+                return
+            pair = self._held.pop(0)
+            infos = self._belonging(*(info.take(stamp) for info, stamp in sides))
+            if infos is not None:
+                self._calibrate(infos)
                 self._rectify(pair)
 
-    def _calibrate(self) -> None:
+    def _belonging(self, left: CameraInfo | None, right: CameraInfo | None) -> Infos | None:
+        """Both camera_info of a pair. A lost one is that of the pair before, unless the other camera's has changed."""
+        if left is not None and right is not None:
+            return left, right
+        if self._used is None:
+            return None
+        if any(new is not None and content(new) != content(old) for new, old in zip((left, right), self._used)):
+            return None
+        return self._used
+
+    def _calibrate(self, infos: Infos) -> None:
+        """Take these into use, if they are not; raises StereoPickError where they are no rig, once."""
+        known, self._used = self._used, infos
+        if known is not None and all(content(new) == content(old) for new, old in zip(infos, known)):
+            return
         self._rectifier = self._refused = self.rig = None
         try:
-            left, right = (camera_of(self._infos[name], name) for name in SIDES)
-            self.rig = StereoRig.from_cameras(left, right)
+            self.rig = StereoRig.from_cameras(*(camera_of(info, side) for info, side in zip(infos, SIDES)))
             self._rectifier = Rectifier(self.rig)
         except StereoPickError as error:
             self._refused = error
             raise
-
-    def _on_pair(self, pair: Pair[Image]) -> None:
-        if len(self._infos) < len(SIDES):
-            self._held = [*self._held, pair][-_MAX_HELD:]
-        else:
-            self._rectify(pair)
 
     def _rectify(self, pair: Pair[Image]) -> None:
         if self._rectifier is None:

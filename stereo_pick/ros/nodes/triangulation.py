@@ -1,50 +1,97 @@
-"""The triangulation node: `correspondences` to `object_poses`, in the left camera's own optical frame."""
+"""The triangulation node: `correspondences` to `object_poses`, in the left camera's own frame or in the robot's."""
 
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from rclpy.context import Context
 
-from stereo_pick.core.configuration import declared, triangulation_groups
+from stereo_pick.core.calibration.record import load_record
+from stereo_pick.core.configuration import configured, declared, triangulation_groups
+from stereo_pick.core.hand_eye.files import load_hand_eye
+from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.core.pipeline import Steps
+from stereo_pick.core.positioning import Positioning
 from stereo_pick.core.refusal import count_reasons
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.joined_node import JoinedNode
 from stereo_pick.ros.messages.correspondences import correspondences_of
-from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
 from stereo_pick.ros.messages.poses import markers_message, objects_message, pose_array_message
 from stereo_pick.ros.messages.stamps import stamp_ns
+from stereo_pick.ros.parameters import Values
 from stereo_pick.ros.process import run_nodes
 from stereo_pick.ros.topics import CORRESPONDENCES, OBJECT_MARKERS, OBJECT_POSES, OBJECTS
+
+
+@dataclass(frozen=True)
+class TriangulationOptions(Configurable):
+    """What is known of the rig beyond its camera_info."""
+
+    calibration_file: str = parameter(
+        "", "The rig's calibration.yaml; its uncertainty goes into the positions' covariance.", fixed=True
+    )
+    hand_eye_file: str = parameter(
+        "",
+        "File of `stereo-pick hand-eye`; poses are then in its parent frame: the robot's base, or its flange.",
+        fixed=True,
+    )
 
 
 class TriangulationNode(JoinedNode):
     """Publishes a PoseArray for every pair, an empty one where no object was found: silence would look like death."""
 
     def __init__(self, context: Context) -> None:
-        super().__init__("triangulation", context, declared(triangulation_groups()), [CORRESPONDENCES])
+        groups: dict[str, type[Configurable]] = {"": TriangulationOptions, **triangulation_groups()}
+        super().__init__("triangulation", context, declared(groups), [CORRESPONDENCES])
+        self._options = configured(TriangulationOptions, "", self.parameters.values)
+        self._positioning = _positioning(self._options)
         self._poses = self.advertise(OBJECT_POSES)
         self._objects = self.advertise(OBJECTS)
         self._markers = self.advertise(OBJECT_MARKERS)
 
+    def configure(self, values: Values) -> Steps:
+        """The pipeline's steps of these parameter values."""
+        own = declared({"": TriangulationOptions})
+        return super().configure({name: value for name, value in values.items() if name not in own})
+
     def result_status(self) -> Status:
-        """What was located and refused in the last pair."""
+        """What was located and refused in the last pair, and what its covariance contains."""
         refused = count_reasons(self._last.refused)
         values = {reason: str(count) for reason, count in refused.items()}
+        values["covariance_of"] = ", ".join(self._last.covariance_of)
         if refused.get("ray_gap", 0) > len(self._last):
             message = f"the rays of {refused['ray_gap']} objects do not meet: has a camera moved since its calibration?"
             return Status(ERROR, message, values)
+        if self._positioning.record is not None and "calibration" not in self._last.covariance_of:
+            stated = self._positioning.record.calibration_hash
+            message = (
+                f"calibration_file {self._options.calibration_file} is of another calibration ({stated}) than the "
+                "camera_info: positions' covariance is without the calibration's; take both from one calibration"
+            )
+            return Status(WARN, message, values)
         return Status(OK, f"{len(self._last)} objects located, {len(self._last.refused)} refused", values)
 
     def process(self, messages: dict[str, Any], rig: StereoRig) -> None:
         """Locate the objects of one pair."""
         message = messages[CORRESPONDENCES.name]
         frame_id = message.header.frame_id
-        self._last = self.steps.locate(correspondences_of(message), rig, stamp_ns(message.header.stamp))
+        self._positioning.check(rig, frame_id)
+        located = self.steps.locate(correspondences_of(message), rig, stamp_ns(message.header.stamp))
+        self._last = self._positioning.place(located, rig)
+        frame_id = self._last.frame_id or frame_id
         self._objects.publish(objects_message(self._last, frame_id))
         self._poses.publish(pose_array_message(self._last, frame_id))
         self._markers.publish(markers_message(self._last, frame_id))
+
+
+def _positioning(options: TriangulationOptions) -> Positioning:
+    record = load_record(Path(options.calibration_file)) if options.calibration_file else None
+    hand_eye = load_hand_eye(Path(options.hand_eye_file)) if options.hand_eye_file else None
+    return Positioning(record, hand_eye)
 
 
 def main(args: list[str] | None = None) -> int:

@@ -88,8 +88,14 @@ def test_bench_rig_errs_within_what_it_states(calibrated, shared_data: Path) -> 
     folder = "bench_rig/calibration"
     result = calibrated(f"{folder}/pair_*/left.png", f"{folder}/pair_*/right.png", Chessboard(9, 6, 0.029))
     truth = load_rig(shared_data / folder / "truth/opencv.yaml")
+    assert {view.name: "moment" in view.reason for view in result.rejected} == {
+        "pair_16/left.png": True,
+        "pair_17/left.png": False,
+    }
     assert judge(result).word is Word.GOOD
     assert result.rig.baseline_m == pytest.approx(truth.baseline_m, abs=5e-5)
+    off = result.rig.right_T_left @ truth.right_T_left.inverse()
+    assert np.degrees(np.arccos((np.trace(off.rotation) - 1) / 2)) < 0.02
     points = np.array([[x, y, z] for x in (-0.05, 0.05) for y in (-0.05, 0.05) for z in (0.8, 0.95, 1.1)])
     error = triangulated(result.rig, *truth.project(points)) - points
     covariance = result.uncertainty.point_covariance(points)

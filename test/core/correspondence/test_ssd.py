@@ -59,7 +59,9 @@ def test_a_paint_that_repeats_along_the_line_is_ambiguous(noise_dn: float) -> No
         for u in (320, 240)
     ]
     pair = RectifiedPair(*(image.astype(np.uint8) for image in images), PARALLEL)
-    found = Ssd(window_px=11).match(pair, seen([disc(320, 240, 30)], [disc(240, 240, 30)]))
+    found = Ssd(narrowest_window_px=11, widest_window_px=11).match(
+        pair, seen([disc(320, 240, 30)], [disc(240, 240, 30)])
+    )
     assert len(found) == 0 and reasons(found) == {"ambiguous": 1}
 
 
@@ -128,5 +130,5 @@ def test_more_noise_gives_a_greater_sigma() -> None:
 
 
 def test_an_even_window_has_no_middle() -> None:
-    with pytest.raises(ParameterError, match="window_px = 14 must be odd"):
-        Ssd(window_px=14)
+    with pytest.raises(ParameterError, match="narrowest_window_px = 14 must be odd"):
+        Ssd(narrowest_window_px=14)

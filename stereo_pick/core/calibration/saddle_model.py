@@ -1,0 +1,88 @@
+"""A chessboard's corner as a picture: four fields that meet where two blurred edges cross."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats, Image
+
+# x y of the corner [px], directions of both edges [rad], mean grey, contrast, blur [px], grey gradient in x and in y.
+_STEPS = np.array([1e-3, 1e-3, 1e-4, 1e-4, 1e-2, 1e-2, 1e-3, 1e-3, 1e-3])
+_TURNS = 12
+_MIN_HALF_PX, _MAX_HALF_PX, _OF_SQUARE = 3, 9, 0.6
+_START_BLUR_PX, _BLUR_PX = 1.2, (0.4, 4.0)
+_MAX_SHIFT_PX = 1.0  # farther than that from where it was found, it is another thing
+_RIDGE = 1e-6
+
+
+def fitted_corners(picture: Image, grid_px: Floats) -> Floats:
+    """Corners (rows, columns, 2) [px] moved to where the model of a corner fits the grey values (H, W) best.
+
+    All pixels of both edges take part, so the noise is about a third of that of a gradient method on the same window.
+    A corner without room for its window in the image, or whose fit runs away, stays where it was found.
+    """
+    along, down = (np.gradient(grid_px, axis=axis).reshape(-1, 2) for axis in (1, 0))
+    corners_px = grid_px.reshape(-1, 2)
+    half = _half_px(along, down)
+    centre = np.round(corners_px).astype(np.int64)
+    inside = ((centre >= half) & (centre < np.array(picture.shape[1::-1]) - half)).all(axis=1)
+    v, u = (offset.ravel() for offset in np.mgrid[-half : half + 1, -half : half + 1])
+    disc = u * u + v * v <= half * half + 1
+    x, y = centre[inside, :1] + u[disc], centre[inside, 1:] + v[disc]
+    grey = picture[y, x].astype(np.float64)
+    fit = _fit(_start(corners_px[inside], along[inside], down[inside], x, y, grey), x, y, grey)[:, :2]
+    near = np.linalg.norm(fit - corners_px[inside], axis=1) <= _MAX_SHIFT_PX
+    result = np.array(corners_px)
+    result[np.flatnonzero(inside)[near]] = fit[near]
+    return result.reshape(grid_px.shape)
+
+
+def _half_px(along: Floats, down: Floats) -> int:
+    """Half the window [px]: short of the edges that lie one square away, whichever way the squares are seen."""
+    longer = np.maximum(np.linalg.norm(along, axis=1), np.linalg.norm(down, axis=1))
+    across = np.abs(along[:, 0] * down[:, 1] - along[:, 1] * down[:, 0]) / longer
+    return int(np.clip(_OF_SQUARE * across.min(), _MIN_HALF_PX, _MAX_HALF_PX))
+
+
+def _start(corners_px: Floats, along: Floats, down: Floats, x: Floats, y: Floats, grey: Floats) -> Floats:
+    """First parameters (N, 9): the edges run along the rows and columns, contrast and its sign from the picture."""
+    start = np.zeros((len(corners_px), len(_STEPS)))
+    start[:, :2] = corners_px
+    start[:, 2], start[:, 3] = (np.arctan2(edge[:, 1], edge[:, 0]) for edge in (along, down))
+    start[:, 5], start[:, 6] = 1.0, _START_BLUR_PX
+    unit = _grey(start, x, y)
+    mean = grey.mean(axis=1)
+    start[:, 4], start[:, 5] = mean, ((grey - mean[:, None]) * unit).sum(axis=1) / (unit * unit).sum(axis=1)
+    return start
+
+
+def _fit(parameters: Floats, x: Floats, y: Floats, grey: Floats) -> Floats:
+    """Gauss-Newton on all corners (N, 9) at once; x, y, grey: (N, M) pixels of each window."""
+    for _ in range(_TURNS):
+        residuals = grey - _grey(parameters, x, y)
+        slopes = [_slope(parameters, step, x, y) for step in np.diag(_STEPS)]
+        jacobian = np.stack(slopes, axis=-1)
+        normal = jacobian.transpose(0, 2, 1) @ jacobian
+        ridge = _RIDGE * np.trace(normal, axis1=1, axis2=2) / len(_STEPS)
+        normal = normal + ridge[:, None, None] * np.eye(len(_STEPS))
+        step = np.linalg.solve(normal, jacobian.transpose(0, 2, 1) @ residuals[..., None])[..., 0]
+        step[:, :2], step[:, 6] = step[:, :2].clip(-0.5, 0.5), step[:, 6].clip(-0.3, 0.3)
+        parameters = parameters + step
+        parameters[:, 6] = parameters[:, 6].clip(*_BLUR_PX)
+    return parameters
+
+
+def _slope(parameters: Floats, step: Floats, x: Floats, y: Floats) -> Floats:
+    ahead, behind = _grey(parameters + step, x, y), _grey(parameters - step, x, y)
+    return np.asarray((ahead - behind) / (2 * step.sum()))
+
+
+def _grey(parameters: Floats, x: Floats, y: Floats) -> Floats:
+    """Grey values (N, M) of the model."""
+    corner_x, corner_y, along, down, mean, contrast, blur, slope_x, slope_y = (
+        column[:, None] for column in parameters.T
+    )
+    u, v = x - corner_x, y - corner_y
+    first = np.tanh((v * np.cos(along) - u * np.sin(along)) / blur)
+    second = np.tanh((v * np.cos(down) - u * np.sin(down)) / blur)
+    return np.asarray(mean + slope_x * u + slope_y * v + contrast * first * second)

@@ -1,0 +1,91 @@
+"""The normal of the table that the solids of a scene stand on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER
+from stereo_pick.core.shapes.solid_fit import SolidFit
+
+_ANGLE = np.sin(np.deg2rad(6))  # within which an axis stands or lies
+_BASE = 0.1  # of the solids' size, within which they stand on one table
+_LEAD = 1.0  # votes by which the normal must lead before any other direction
+
+
+def common_normal(fits: Sequence[SolidFit | None]) -> Floats | None:
+    """The direction (3,) towards the cameras in which the solids stand, rectified left frame; None where unclear.
+
+    A cylinder stands or lies, a box stands on a face: each votes for the directions in which its axes allow that.
+    Each solid votes again where its lowest point is as low as the others'. One object alone decides nothing: nobody
+    can tell a standing cylinder from a lying one by itself.
+    """
+    solids = [fit for fit in fits if fit is not None]
+    turned = [fit for fit in solids if fit.kind in (CYLINDER.name, BOX.name)]
+    if len(turned) < 2:
+        return None
+    candidates = _candidates(turned)
+    votes = np.array([_orientation_votes(each, turned) + _base_votes(each, solids) for each in candidates])
+    best = candidates[votes.argmax()]
+    others = votes[np.abs(candidates @ best) < np.cos(np.deg2rad(12))]
+    if votes.max() < 0.5 * (len(turned) + len(solids)) or (len(others) and others.max() > votes.max() - _LEAD):
+        return None
+    return _towards_cameras(_mean(best, turned), solids)
+
+
+def _candidates(turned: Sequence[SolidFit]) -> Floats:
+    """All axes, and the directions across two that differ: (C, 3), unit."""
+    axes = [axis for fit in turned for axis in _axes(fit)]
+    own = [fit.rotation[:, 2] for fit in turned if fit.kind == CYLINDER.name]
+    across = [np.cross(one, other) for one, other in combinations(own, 2)]
+    axes += [each / np.linalg.norm(each) for each in across if np.linalg.norm(each) > 0.35]
+    return np.array(axes)
+
+
+def _axes(fit: SolidFit) -> list[Floats]:
+    """The axes that may stand upright."""
+    return list(fit.rotation.T) if fit.kind == BOX.name else [fit.rotation[:, 2]]
+
+
+def _orientation_votes(normal: Floats, turned: Sequence[SolidFit]) -> float:
+    return sum(_vote(min(_standing(normal, fit), _lying(normal, fit)) / _ANGLE) for fit in turned)
+
+
+def _standing(normal: Floats, fit: SolidFit) -> float:
+    """Sine of the angle between the normal and the nearest axis that may stand."""
+    return min(float(np.linalg.norm(np.cross(axis, normal))) for axis in _axes(fit))
+
+
+def _lying(normal: Floats, fit: SolidFit) -> float:
+    """Sine of the angle by which a cylinder is off lying; a box always stands."""
+    return abs(float(fit.rotation[:, 2] @ normal)) if fit.kind == CYLINDER.name else np.inf
+
+
+def _base_votes(normal: Floats, solids: Sequence[SolidFit]) -> float:
+    up = _towards_cameras(normal, solids)
+    lowest = np.array([fit.centre_m @ up - fit.reach_m(up) for fit in solids])
+    size = float(np.mean([fit.size_m.mean() for fit in solids]))
+    return sum(_vote(each) for each in np.abs(lowest - np.median(lowest)) / (_BASE * size))
+
+
+def _vote(off: float) -> float:
+    """1 for what is exactly so, 0 for what is off by the tolerance."""
+    return max(0.0, 1.0 - off * off)
+
+
+def _towards_cameras(normal: Floats, solids: Sequence[SolidFit]) -> Floats:
+    away = np.mean([fit.centre_m for fit in solids], axis=0) @ normal > 0
+    return -normal if away else normal
+
+
+def _mean(normal: Floats, turned: Sequence[SolidFit]) -> Floats:
+    """The direction nearest to the standing axes and furthest from the lying ones, of the solids that agree."""
+    spread = np.zeros((3, 3))
+    for fit in turned:
+        upright = max(_axes(fit), key=lambda axis: abs(float(axis @ normal)))
+        if min(_standing(normal, fit), _lying(normal, fit)) < _ANGLE:
+            spread += np.outer(upright, upright) * (1 if _standing(normal, fit) < _ANGLE else -1)
+    return np.asarray(np.linalg.eigh(spread)[1][:, -1])

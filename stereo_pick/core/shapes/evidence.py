@@ -1,0 +1,62 @@
+"""What outlines say for and against a solid, and how sure they make its centre."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.shapes.refinement import TUKEY, Fitted, bounded
+
+ARCS = 9  # independent pieces of an outline: light and shading move an edge along whole arcs, not point by point
+_ASSUMED = 10.0  # independent pieces that the assumed noise counts for, beside the residuals seen
+_LOOSEST = 0.1  # standard deviation of a centre, as a part of the solid's size
+_LIMIT = 1.5  # noise half as large again as assumed, or a quarter of the outline quite somewhere else
+
+
+def misfit_px(found: Fitted, noise_px: float) -> Floats:
+    """Root mean square (S,) [px] of the trusted residuals, none of which counts for more than about 3 noise_px."""
+    loss = (found.weight * bounded(found.residual_px, noise_px)).sum(axis=1)
+    return np.asarray(np.sqrt(loss / np.maximum(found.weight.sum(axis=1), 1)))
+
+
+def explained(misfit_px: Floats, noise_px: float) -> Bools:
+    """Whether (S,) solids with these misfits (S,) [px] explain their outlines."""
+    return np.asarray(misfit_px <= _LIMIT * noise_px)
+
+
+def determined(found: Fitted, covariance: Floats) -> Bools:
+    """Whether (S,) the outlines fix the centres: a box with one end hidden can be of any length."""
+    worst_m = np.sqrt(np.einsum("sii->si", covariance).max(axis=1))
+    return np.asarray(worst_m < _LOOSEST * found.solids.size_m().mean(axis=1))
+
+
+def complaint(found: Fitted, noise_px: float) -> Floats:
+    """The Bayesian information criterion (S,): misfit in units of the noise, plus a price for each parameter.
+
+    The arcs of the outlines are the data, not their points.
+    """
+    arcs = _arcs(found)
+    parameters = found.jacobian.shape[2]
+    return np.asarray(arcs * (misfit_px(found, noise_px) / noise_px) ** 2 + parameters * np.log(arcs))
+
+
+def centre_covariance(found: Fitted, noise_px: float) -> Floats:
+    """Covariance (S, 3, 3) [m²] of the centres, from the noise that the residuals show and the one assumed.
+
+    Residuals are averaged over as many independent pieces as there are arcs; few of them remain beside the
+    parameters, so the assumed noise is given a say.
+    """
+    arcs = _arcs(found)
+    scale = np.maximum(found.scale_px(), noise_px)[:, None]
+    weight = found.weight * np.clip(1 - (found.residual_px / (TUKEY * scale)) ** 2, 0, None) ** 2
+    total = weight.sum(axis=1)
+    parameters = found.jacobian.shape[2]
+    squares = arcs * (weight * found.residual_px**2).sum(axis=1) / total
+    variance = (squares + _ASSUMED * noise_px**2) / (np.maximum(arcs - parameters, 1) + _ASSUMED)
+    normal = (found.jacobian * weight[..., None]).transpose(0, 2, 1) @ found.jacobian
+    normal += 1e-9 * np.eye(parameters)
+    return np.asarray(np.linalg.inv(normal)[:, :3, :3] * (variance * total / arcs)[:, None, None])
+
+
+def _arcs(found: Fitted) -> Floats:
+    return np.asarray(np.maximum(2 * ARCS * found.weight.mean(axis=1), 2.0))

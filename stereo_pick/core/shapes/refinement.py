@@ -1,0 +1,115 @@
+"""Solids brought to the least distance between their silhouettes and the outlines (Levenberg and Marquardt)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.arrays import Bools, Floats, Ints
+from stereo_pick.core.shapes.nearest import nearest_tangents
+from stereo_pick.core.shapes.residuals import Tangents, residuals
+from stereo_pick.core.shapes.sight import Sight, Solids
+
+Touch = Callable[[Sight, Solids], Tangents]
+
+TUKEY = 4.685  # in sigmas: 95 % efficient on normal noise
+_LEAST_SCALE_PX = 0.05
+_LEAST_HALF = 0.02  # of the object's radius
+_CONVERGED_PX = 0.002
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """Solids and their residuals (S, 2N) [px], Jacobians (S, 2N, 3 + Q + sizes) and trusted points (S, 2N)."""
+
+    solids: Solids
+    residual_px: Floats
+    jacobian: Floats
+    weight: Floats
+
+    def only(self, chosen: Ints) -> Fitted:
+        """These of them."""
+        return Fitted(self.solids.only(chosen), self.residual_px[chosen], self.jacobian[chosen], self.weight[chosen])
+
+    def scale_px(self) -> Floats:
+        """Robust standard deviation (S,) [px] of the trusted residuals."""
+        trusted = np.where(self.weight > 0, np.abs(self.residual_px), np.nan)
+        return np.asarray(1.4826 * np.nanmedian(trusted, axis=1))
+
+
+def fitted(sight: Sight, solids: Solids, touch: Touch = nearest_tangents) -> Fitted:
+    """The solids as they are, measured across these tangents; sight holds one object for each."""
+    residual, jacobian = residuals(sight, solids, touch(sight, solids))
+    return Fitted(solids, residual, jacobian, sight.weight.reshape(residual.shape))
+
+
+def refine(sight: Sight, now: Fitted, rounds: int, touch: Touch = nearest_tangents) -> Fitted:
+    """Improve every solid by up to so many steps; sight holds one object for each."""
+    damping = np.full(len(now.residual_px), 1e-3)
+    for _ in range(rounds):
+        scale = np.maximum(now.scale_px(), _LEAST_SCALE_PX)[:, None]
+        step = _step(now, scale, damping)
+        tried = fitted(sight, _moved(now.solids, step, _LEAST_HALF * sight.radius_m), touch)
+        better = _cost(tried, scale) <= _cost(now, scale)
+        settled = np.abs((now.jacobian @ step[..., None])[..., 0]).max(axis=1) < _CONVERGED_PX
+        now = _where(better, tried, now)
+        damping *= np.where(better, 0.2, 10.0)
+        if settled.all():
+            break
+    return now
+
+
+def bounded(residual_px: Floats, scale_px: Floats | float) -> Floats:
+    """Tukey's loss [px²]: the square of a small residual, and no more than 7.3 scale² for any."""
+    inside = np.clip(1 - (residual_px / (TUKEY * scale_px)) ** 2, 0, None)
+    return np.asarray((TUKEY * scale_px) ** 2 / 3 * (1 - inside**3))
+
+
+def _cost(now: Fitted, scale_px: Floats) -> Floats:
+    return np.asarray((now.weight * bounded(now.residual_px, scale_px)).sum(axis=1))
+
+
+def _step(now: Fitted, scale_px: Floats, damping: Floats) -> Floats:
+    """The damped step (S, 3 + Q + sizes) of iteratively reweighted least squares."""
+    weight = now.weight * np.clip(1 - (now.residual_px / (TUKEY * scale_px)) ** 2, 0, None) ** 2
+    weighted = (now.jacobian * weight[..., None]).transpose(0, 2, 1)
+    normal = weighted @ now.jacobian
+    diagonal = np.einsum("sii->si", normal)
+    normal = normal + (diagonal * damping[:, None] + 1e-9)[..., None] * np.eye(normal.shape[1])
+    return -np.asarray(np.linalg.solve(normal, weighted @ now.residual_px[..., None])[..., 0])
+
+
+def _moved(solids: Solids, step: Floats, least_half_m: Floats) -> Solids:
+    turning = solids.turns.shape[2]
+    turn = (solids.turns @ step[:, 3 : 3 + turning, None])[..., 0]
+    half_m = np.maximum(solids.half_m + step[:, 3 + turning :], least_half_m[:, None])
+    rotation = solids.rotation @ _rotations(turn) if turning else solids.rotation
+    return Solids(solids.kind, solids.centre_m + step[:, :3], rotation, half_m, solids.turns)
+
+
+def _rotations(vectors: Floats) -> Floats:
+    """Rotation vectors (S, 3) [rad] to rotations (S, 3, 3): Rodrigues."""
+    angle = np.linalg.norm(vectors, axis=1)[:, None, None]
+    x, y, z = vectors.T / (angle[:, 0, 0] + 1e-15)
+    none = np.zeros_like(x)
+    cross = np.array([[none, -z, y], [z, none, -x], [-y, x, none]]).transpose(2, 0, 1)
+    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross))
+
+
+def _where(better: Bools, tried: Fitted, now: Fitted) -> Fitted:
+    one, two, three = better[:, None], better[:, None, None], better[:, None, None]
+    solids = Solids(
+        now.solids.kind,
+        np.where(one, tried.solids.centre_m, now.solids.centre_m),
+        np.where(two, tried.solids.rotation, now.solids.rotation),
+        np.where(one, tried.solids.half_m, now.solids.half_m),
+        now.solids.turns,
+    )
+    return Fitted(
+        solids,
+        np.where(one, tried.residual_px, now.residual_px),
+        np.where(three, tried.jacobian, now.jacobian),
+        now.weight,
+    )

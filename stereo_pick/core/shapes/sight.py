@@ -1,0 +1,112 @@
+"""The outlines of all objects of a scene as arrays, and what solids make of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats, Ints
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.kinds import Kind
+from stereo_pick.core.shapes.outline import Outline
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """O objects seen in two views by N points each; the first axis is the object's, the second the view's.
+
+    points, normals: (O, 2, N, 2), normalized coordinates of the rectified views; weight, smooth: (O, 2, N), 0 where
+    a point is not the object's edge or lies at a corner; eyes: (2, 3) [m],
+    the cameras' places in the rectified left frame; focal_px; centre_m (O, 3) and radius_m (O,): roughly.
+    """
+
+    points: Floats
+    normals: Floats
+    weight: Floats
+    smooth: Floats
+    eyes_m: Floats
+    focal_px: float
+    centre_m: Floats
+    radius_m: Floats
+
+    @staticmethod
+    def of(pairs: Sequence[tuple[Outline, Outline]], rig: StereoRig) -> Sight:
+        """The outlines (left, right) of at least one object; all of as many points."""
+        cameras = (rig.left, rig.right)
+        points = np.array([[_normalized(side.points_px, lens) for side, lens in zip(pair, cameras)] for pair in pairs])
+        normals = np.array([[side.normals for side in pair] for pair in pairs])
+        weight = np.array([[side.weight for side in pair] for pair in pairs])
+        smooth = np.array([[1 - side.corner for side in pair] for pair in pairs])
+        low, high = points.min(axis=2), points.max(axis=2)
+        middle, half = (low + high) / 2, (high - low) / 2
+        depth = rig.baseline_m / np.maximum(middle[:, 0, 0] - middle[:, 1, 0], 1e-6)
+        x, y = middle[:, 0, 0] * depth, middle[..., 1].mean(axis=1) * depth
+        radius = half.mean(axis=(1, 2)) * depth
+        eyes = np.array([[0.0, 0.0, 0.0], [rig.baseline_m, 0.0, 0.0]])
+        return Sight(points, normals, weight, smooth, eyes, rig.focal_px, np.stack([x, y, depth], axis=1), radius)
+
+    def only(self, objects: Ints) -> Sight:
+        """The same of these objects alone."""
+        return Sight(
+            self.points[objects], self.normals[objects], self.weight[objects], self.smooth[objects],
+            self.eyes_m, self.focal_px,
+            self.centre_m[objects], self.radius_m[objects],
+        )  # fmt: skip
+
+    def coarse(self) -> Sight:
+        """Every second point, for a first look."""
+        every = np.s_[:, :, ::2]
+        return Sight(
+            self.points[every], self.normals[every], self.weight[every], self.smooth[every],
+            self.eyes_m, self.focal_px, self.centre_m, self.radius_m,
+        )  # fmt: skip
+
+    def without_corners(self) -> Sight:
+        """The same with corners given no weight, where enough is left."""
+        return replace(self, weight=self.weight * self.smooth)
+
+
+@dataclass(frozen=True, eq=False)
+class Solids:
+    """S solids of one kind.
+
+    centre_m: (S, 3), rotation: (S, 3, 3) with their axes as columns, both in the rectified left frame; half_m:
+    (S, sizes); turns: (S, 3, Q), the axes in the solid's own frame about which each may be turned.
+    """
+
+    kind: Kind
+    centre_m: Floats
+    rotation: Floats
+    half_m: Floats
+    turns: Floats
+
+    def only(self, chosen: Ints) -> Solids:
+        """These of them."""
+        return Solids(self.kind, self.centre_m[chosen], self.rotation[chosen], self.half_m[chosen], self.turns[chosen])
+
+    def size_m(self) -> Floats:
+        """Full sizes (S, 3) along the axes."""
+        return 2 * self.half_m[:, self.kind.axes]
+
+    def seen_from(self, eyes_m: Floats) -> Floats:
+        """The centres (S, E, 1, 3) [m] as seen from eyes (E, 3)."""
+        return np.asarray((self.centre_m[:, None] - eyes_m)[:, :, None])
+
+    def touched(self, planes: Floats) -> Floats:
+        """The solids' points (S, E, N, 3) [m], relative to their centres, that lie furthest in such directions."""
+        flat = planes.reshape(len(planes), -1, 3)
+        touched = self.kind.touch(flat @ self.rotation, self.half_m) @ self.rotation.transpose(0, 2, 1)
+        return np.asarray(touched.reshape(planes.shape))
+
+
+def tangent_planes(points: Floats, normals: Floats) -> Floats:
+    """Normals (..., 3) of the planes through the camera and the lines through image points (..., 2)."""
+    offset = (points * normals).sum(axis=-1, keepdims=True)
+    return np.concatenate([normals, -offset], axis=-1)
+
+
+def _normalized(points_px: Floats, camera: Camera) -> Floats:
+    return np.asarray((points_px - camera.P[:2, 2]) / camera.P[[0, 1], [0, 1]])

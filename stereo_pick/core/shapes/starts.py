@@ -1,0 +1,112 @@
+"""Where the search for a solid begins: for a given orientation, centre and sizes follow from the outlines directly."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import cv2
+import numpy as np
+
+from stereo_pick.core.arrays import Floats, Ints, frozen
+from stereo_pick.core.shapes.kinds import Kind
+from stereo_pick.core.shapes.residuals import own_tangents, residuals
+from stereo_pick.core.shapes.sight import Sight, Solids
+
+_DIRECTIONS = 24
+_BOX_STEPS = (-0.31, -0.1, 0.1, 0.31)
+_LYING = 12
+_BOX_YAWS = 8
+_LEAST_SIZE = 0.1  # of the object's radius
+_LOOSE = 0.03  # weight of the guess that all half sizes are alike, against the outlines
+
+
+def starts(sight: Sight, kind: Kind, table_normal: Floats | None, keep: int) -> tuple[Ints, Solids]:
+    """The `keep` most promising solids of each object: their objects (S,), ascending, and they.
+
+    The residuals along the outlines' own normals are linear in centre and half sizes, so each orientation of a grid
+    costs one small linear system and no iteration. With a table normal (3,), solids stand or lie on the table.
+    """
+    rotations, turns = _orientations(kind, table_normal)
+    count, grid = len(sight.points), len(rotations)
+    objects = np.repeat(np.arange(count), grid)
+    solids = Solids(
+        kind,
+        sight.centre_m[objects],
+        np.tile(rotations, (count, 1, 1)),
+        np.repeat(sight.radius_m[objects, None], kind.sizes, axis=1),
+        np.tile(turns, (count, 1, 1)),
+    )
+    solids, misfit = _solved(sight.only(objects), solids)
+    best = np.argsort(misfit.reshape(count, grid), axis=1)[:, :keep]
+    chosen = (best + grid * np.arange(count)[:, None]).ravel()
+    return objects[chosen], solids.only(chosen)
+
+
+def _solved(sight: Sight, solids: Solids) -> tuple[Solids, Floats]:
+    """The solids with the centre and half sizes that fit best, and their mean misfit (S,) [px]."""
+    weight = sight.weight.reshape(len(sight.weight), -1)
+    residual, jacobian = residuals(sight, solids, own_tangents(sight, solids))
+    turning = solids.turns.shape[2]
+    linear = np.concatenate([jacobian[..., :3], jacobian[..., 3 + turning :]], axis=2)
+    weighted = (linear * weight[..., None]).transpose(0, 2, 1)
+    normal = weighted @ linear
+    loose = np.zeros(normal.shape[1])
+    loose[3:] = _LOOSE
+    diagonal = np.einsum("sii->si", normal)
+    normal = normal + (diagonal * loose**2 + 1e-9)[..., None] * np.eye(len(loose))
+    step = -np.linalg.solve(normal, weighted @ residual[..., None])[..., 0]
+    half_m = np.maximum(solids.half_m + step[:, 3:], _LEAST_SIZE * sight.radius_m[:, None])
+    moved = Solids(solids.kind, solids.centre_m + step[:, :3], solids.rotation, half_m, solids.turns)
+    left = residual + (linear @ np.concatenate([step[:, :3], half_m - solids.half_m], axis=1)[..., None])[..., 0]
+    return moved, (weight * np.abs(left)).sum(axis=1) / weight.sum(axis=1)
+
+
+def _orientations(kind: Kind, table_normal: Floats | None) -> tuple[Floats, Floats]:
+    """Orientations (G, 3, 3) to begin at, and the axes (G, 3, Q) about which each may be turned from there.
+
+    About the table's normal, where one is given; a solid that looks the same from all sides need not be turned.
+    """
+    if table_normal is None or not kind.turns:
+        rotations = _free_orientations(kind)
+        return rotations, np.broadcast_to(np.eye(3)[:, list(kind.turns)], (len(rotations), 3, len(kind.turns)))
+    upright = _frame(table_normal)
+    if kind.sizes == 3:
+        yaws = np.arange(_BOX_YAWS) * (np.pi / 2 / _BOX_YAWS)
+        rotations = np.stack([upright @ _about_z(yaw) for yaw in yaws])
+    else:
+        level = [_frame(upright @ _about_z(yaw)[:, 0]) for yaw in np.arange(_LYING) * (np.pi / _LYING)]
+        rotations = np.stack([upright, *level])
+    return rotations, (rotations.transpose(0, 2, 1) @ upright[:, 2])[..., None]
+
+
+@lru_cache(maxsize=8)
+def _free_orientations(kind: Kind) -> Floats:
+    """A grid (G, 3, 3) over all that differ: a box turned by 90 degrees is a box again, a cylinder by 180 degrees."""
+    if kind.sizes == 1:
+        return _read_only(np.eye(3)[None])
+    if kind.sizes == 2:
+        steps = np.arange(_DIRECTIONS) + 0.5
+        z, turn = 1 - steps / _DIRECTIONS, np.pi * (1 + 5**0.5) * steps  # Fibonacci's spiral
+        across = np.sqrt(1 - z * z)
+        return _read_only(np.stack([_frame(np.array(a)) for a in zip(across * np.cos(turn), across * np.sin(turn), z)]))
+    vectors = np.stack(np.meshgrid(_BOX_STEPS, _BOX_STEPS, _BOX_STEPS), axis=-1).reshape(-1, 3)
+    angle = np.linalg.norm(vectors, axis=1, keepdims=True)  # tan of half the angle of the turn
+    return _read_only(np.stack([cv2.Rodrigues(v)[0] for v in vectors / angle * 2 * np.arctan(angle)]))
+
+
+def _frame(axis: Floats) -> Floats:
+    """A rotation (3, 3) whose third column is this axis."""
+    z = axis / np.linalg.norm(axis)
+    x = np.cross(np.eye(3)[np.abs(z).argmin()], z)
+    x /= np.linalg.norm(x)
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def _about_z(angle: float) -> Floats:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def _read_only(rotations: Floats) -> Floats:
+    frozen(rotations)
+    return rotations

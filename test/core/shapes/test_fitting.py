@@ -1,0 +1,149 @@
+"""Solids from outlines: the kind, the centre, the size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from rigs import RIGS, rotation
+from solid_outlines import Part, any_part, contours_px, disturbed, outlines_of
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solid, fit_solids
+
+RIG = RIGS["verged"]
+UP = rotation((np.deg2rad(140), 0.05, 0)) @ (0, 0, 1)
+UPRIGHT = rotation((np.deg2rad(140), 0.05, 0))
+KINDS = ("sphere", "cylinder", "box")
+
+
+def on_table(kind: str, yaw_rad: float, lying: bool, half_m: Floats) -> Part:
+    stand = rotation((0, np.pi / 2, 0)) if lying else np.eye(3)
+    return Part(kind, np.array([0.12, -0.02, 0.9]), UPRIGHT @ rotation((0, 0, yaw_rad)) @ stand, half_m)
+
+
+def combined_m(fit: SolidFit, left: Floats, right: Floats, rig: StereoRig) -> Floats:
+    """The measured outlines' solid-angle centroids, corrected for perspective, triangulated."""
+    cameras = (rig.left, rig.right)
+    rays = [
+        (centroid_px(contour, lens) + fit.perspective_shift_px(lens) - lens.P[:2, 2]) / lens.P[0, 0]
+        for contour, lens in zip((left, right), cameras)
+    ]
+    depth = rig.baseline_m / (rays[0][0] - rays[1][0])
+    return np.array([rays[0][0] * depth, (rays[0][1] + rays[1][1]) / 2 * depth, depth])
+
+
+@pytest.mark.parametrize("name", ["verged", "rolled", "thesis"])
+@pytest.mark.parametrize("kind", ["sphere", "cylinder"])
+def test_exact_outlines_give_kind_centre_and_size(name: str, kind: str) -> None:
+    rig, rng = RIGS[name], np.random.default_rng(5)
+    parts = [any_part(kind, rig, rng) for _ in range(12)]
+    fits = fit_solids([outlines_of(part, rig) for part in parts], rig)
+    off_mm = []
+    for part, fit in zip(parts, fits):
+        assert fit is not None and fit.kind == kind
+        np.testing.assert_allclose(fit.size_m[[0, 2]], 2 * part.half_m[[0, -1]], rtol=5e-3)
+        off_mm.append(np.linalg.norm(fit.centre_m - part.centre_m) * 1000)
+    assert np.median(off_mm) < 0.02
+
+
+@pytest.mark.parametrize(("kind", "lying"), [("cylinder", False), ("cylinder", True), ("box", False)])
+@pytest.mark.parametrize("yaw_deg", [0, 17, 50, 81])
+def test_on_a_known_table_every_centre_is_right(kind: str, lying: bool, yaw_deg: int) -> None:
+    half_m = np.array([0.02, 0.034, 0.027])[: 3 if kind == "box" else 2]
+    part = on_table(kind, np.deg2rad(yaw_deg), lying, half_m)
+    fit = fit_solid(*outlines_of(part, RIG), RIG, UP)
+    assert fit is not None and fit.kind == kind
+    np.testing.assert_allclose(fit.centre_m, part.centre_m, atol=3e-5)
+    np.testing.assert_allclose(
+        sorted(fit.size_m), sorted(2 * part.half_m[list((0, 0, 1) if kind != "box" else (0, 1, 2))]), rtol=5e-3
+    )
+    np.testing.assert_allclose(np.abs(fit.rotation.T @ UP).max(), 0 if lying else 1, atol=1e-2) if not lying else None
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_noise_moves_centres_without_bias_and_leaves_the_kind(kind: str) -> None:
+    rng = np.random.default_rng(11)
+    right_kind, off = 0, []
+    parts = [any_part(kind, RIG, rng) for _ in range(40)]
+    noisy = [[disturbed(contour, 0.1, rng) for contour in contours_px(part, RIG)] for part in parts]
+    pairs = [(Outline.from_contour(left), Outline.from_contour(right)) for left, right in noisy]
+    for part, fit, contours in zip(parts, fit_solids(pairs, RIG), noisy):
+        if fit is not None and fit.kind == kind:
+            right_kind += 1
+            off.append((combined_m(fit, *contours, RIG) - part.centre_m) / part.centre_m[2] ** 2)
+    assert right_kind >= 36
+    middle, spread = np.median(off, axis=0), 1.25 * np.std(off, axis=0) / np.sqrt(len(off))
+    assert (np.abs(middle) < 3 * spread + 2e-5).all()
+
+
+def hidden(part: Part, direction: Sequence[float], percent: float) -> list[Outline]:
+    """Outlines of a part of which the share that lies furthest in a direction is cut off along a straight line."""
+    pair = []
+    for contour in contours_px(part, RIG):
+        along = contour @ np.array(direction)
+        limit = np.percentile(along, percent)
+        cut = contour - np.maximum(along - limit, 0)[:, None] * direction
+        pair.append(Outline.from_contour(cut, along < limit))
+    return pair
+
+
+@pytest.mark.parametrize("kind", ["sphere", "cylinder"])
+def test_a_third_of_the_outline_may_be_hidden(kind: str) -> None:
+    for seed in range(6):
+        part = any_part(kind, RIG, np.random.default_rng(seed))
+        fit = fit_solid(*hidden(part, (0.6, 0.8), 70), RIG)
+        if fit is not None:
+            assert fit.kind == kind
+            np.testing.assert_allclose(fit.centre_m, part.centre_m, atol=2e-4)
+    assert fit is not None
+
+
+def test_a_box_whose_end_is_hidden_has_no_centre() -> None:
+    part = any_part("box", RIG, np.random.default_rng(3))
+    assert fit_solid(*outlines_of(part, RIG), RIG) is not None
+    assert fit_solid(*hidden(part, (0.6, 0.8), 70), RIG) is None
+
+
+def test_few_trusted_points_give_no_fit() -> None:
+    left, right = contours_px(any_part("sphere", RIG, np.random.default_rng(0)), RIG)
+    seen = np.arange(len(left)) < len(left) // 5
+    assert fit_solid(Outline.from_contour(left, seen), Outline.from_contour(right), RIG) is None
+    assert fit_solids([], RIG) == []
+
+
+def test_outlines_of_different_things_are_explained_by_no_solid() -> None:
+    rng = np.random.default_rng(8)
+    ball, box = any_part("sphere", RIG, rng), any_part("box", RIG, rng)
+    moved = Part("box", ball.centre_m, box.rotation, np.full(3, ball.half_m[0]))
+    (left, _), (_, right) = outlines_of(ball, RIG), outlines_of(moved, RIG)
+    assert fit_solid(left, right, RIG) is None
+
+
+def test_a_part_with_a_notch_is_explained_by_no_solid() -> None:
+    ball = any_part("sphere", RIG, np.random.default_rng(8))
+    pair = []
+    for contour in contours_px(ball, RIG):
+        fold = contour[:, 0].mean() + 5
+        pair.append(Outline.from_contour(np.c_[fold - np.abs(contour[:, 0] - fold), contour[:, 1]]))
+    assert fit_solid(*pair, RIG) is None
+
+
+def test_covariances_follow_chi_square() -> None:
+    rng = np.random.default_rng(21)
+    distances = []
+    for kind in ("sphere", "cylinder"):
+        parts = [any_part(kind, RIG, rng) for _ in range(80)]
+        pairs = []
+        for part in parts:
+            left, right = (Outline.from_contour(disturbed(c, 0.1, rng)) for c in contours_px(part, RIG))
+            pairs.append((left, right))
+        for part, fit in zip(parts, fit_solids(pairs, RIG)):
+            if fit is not None and fit.kind == kind:
+                off = fit.centre_m - part.centre_m
+                distances.append(off @ np.linalg.solve(fit.covariance, off))
+    assert len(distances) > 150
+    assert 1.6 < np.median(distances) < 3.4  # 2.37
+    assert 6 < np.percentile(distances, 95) < 10  # 7.81
