@@ -18,7 +18,14 @@ import stereo_pick
 ROOT = Path(__file__).parents[1]
 # catkin_pkg's own rule: on another address colcon silently takes the package for a plain Python one.
 EMAIL = re.compile(r"[-\w%+]+(\.[-\w%+]+)*@[-a-zA-Z0-9%]+(\.[-a-zA-Z0-9%]+)*\.[a-zA-Z]{2,}", re.ASCII)
-NODES = ("capture_node", "rectification_node", "correspondence_node", "triangulation_node", "stereo_pick_node")
+NODES = (
+    "capture_node",
+    "rectification_node",
+    "correspondence_node",
+    "triangulation_node",
+    "stereo_pick_node",
+    "calibration_node",
+)
 
 
 @pytest.fixture(scope="module")

@@ -40,12 +40,12 @@ def nodes() -> dict[str, dict[str, Parameter]]:
     )
     from stereo_pick.ros.nodes.calibration import CalibrationOptions
     from stereo_pick.ros.nodes.capture import CaptureOptions
-    from stereo_pick.ros.nodes.rectification import RectificationOptions
     from stereo_pick.ros.nodes.triangulation import TriangulationOptions
+    from stereo_pick.ros.raw_pairs import RawImageOptions
 
     return {
         "capture": declared({"": CaptureOptions}),
-        "rectification": declared({"": RectificationOptions}),
+        "rectification": declared({"": RawImageOptions}),
         "correspondence": {"method": method_parameter(), **declared(correspondence_groups())},
         "triangulation": declared({"": TriangulationOptions, **triangulation_groups()}),
         "calibration": declared({"": CalibrationOptions}),

@@ -3,17 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 from sensor_msgs.msg import Image
 
+from stereo_pick.core.arrays import Image as Pixels
+from stereo_pick.core.images import pixels
 from stereo_pick.core.pairing import Pair, PairingCounts, Side, StampPairer
+from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
+from stereo_pick.ros.messages.images import buffer_of
 from stereo_pick.ros.messages.stamps import stamp_ns
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.topics import IMAGE_RAW, SIDES
 
 _SILENT_AFTER_S = 2.0
+
+
+@dataclass(frozen=True)
+class RawImageOptions(Configurable):
+    """How raw images are paired and read."""
+
+    max_stamp_offset_s: float = parameter(
+        0.01, "By how much the stamps of a left and a right image may differ.", low=0.0, high=1.0
+    )
+    full_scale_16: int = parameter(
+        65535, "Value of a 16-bit image that becomes white; 4095 for a 12-bit camera.", low=1, high=65535
+    )
+
+    def read(self, pair: Pair[Image]) -> tuple[Pixels, Pixels]:
+        """Left and right decoded; raises ImageError, naming the side, on an image that is none."""
+        left, right = (
+            pixels(buffer_of(message), self.full_scale_16, f"{side} image")
+            for side, message in (("left", pair.left), ("right", pair.right))
+        )
+        return left, right
 
 
 class RawPairs:

@@ -12,7 +12,7 @@ import rigs
 from ros_tools import Graph, reserved_domain
 
 import stereo_pick.ros.node as node_module
-import stereo_pick.ros.nodes.rectification as rectification_module
+import stereo_pick.ros.raw_pairs as raw_pairs_module
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
@@ -52,7 +52,7 @@ GREY = np.full(SIZE_PX[::-1], 90, np.uint8)
 @pytest.fixture(autouse=True)
 def frequent_diagnostics(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(node_module, "_DIAGNOSTICS_PERIOD_S", 0.1)
-    monkeypatch.setattr(rectification_module, "_SILENT_AFTER_S", 0.5)
+    monkeypatch.setattr(raw_pairs_module, "_SILENT_AFTER_S", 0.5)
 
 
 class Cameras:
@@ -282,8 +282,8 @@ def test_a_replay_that_starts_over_is_paired_although_the_last_image_had_no_part
     node = graph.host(RectificationNode(graph.context))
     rectified, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
     cameras.until(cameras.pair, lambda: rectified, "it works")
-    seen = node._pairer.counts.right
-    cameras.until(lambda: cameras.image("right"), lambda: node._pairer.counts.right > seen, "one without partner")
+    seen = node._raw.counts.right
+    cameras.until(lambda: cameras.image("right"), lambda: node._raw.counts.right > seen, "one without partner")
     cameras.stamp_ns = START_NS
     rectified.clear()
     for _ in range(5):

@@ -15,6 +15,7 @@ from ros_tools import Graph, reserved_domain
 from stereo_pick.cli.parameters import nodes as declared_nodes
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.params import Parameter
+from stereo_pick.ros.nodes.calibration import CalibrationNode
 from stereo_pick.ros.nodes.capture import CaptureNode
 from stereo_pick.ros.nodes.correspondence import CorrespondenceNode
 from stereo_pick.ros.nodes.rectification import RectificationNode
@@ -27,14 +28,17 @@ CLASSES = {
     "rectification": RectificationNode,
     "correspondence": CorrespondenceNode,
     "triangulation": TriangulationNode,
+    "calibration": CalibrationNode,
 }
+# What nobody can guess has no default.
+GIVEN = {"source": str(DEMO), "board": "9x6", "square_m": "0.03", "output": "my_rig"}
 
 
 @pytest.fixture(scope="module")
 def hosted() -> Iterator[tuple[Graph, dict[str, Any]]]:
     """One node of each kind beside the test's own; each test leaves their parameters as they were."""
     with reserved_domain() as domain:
-        graph = Graph(domain, ["-p", f"source:={DEMO}"])
+        graph = Graph(domain, [part for name, value in GIVEN.items() for part in ("-p", f"{name}:={value}")])
         yield graph, {name: graph.host(make(graph.context)) for name, make in CLASSES.items()}
         graph.close()
 
@@ -46,15 +50,15 @@ def parameters_of(name: str) -> dict[str, Parameter]:
 @pytest.mark.parametrize("name", CLASSES)
 def test_a_node_has_just_the_declared_parameters_with_ranges_and_meaning(hosted: Any, name: str) -> None:
     node = hosted[1][name]
-    of_ros = {"use_sim_time", "start_type_description_service", "source"}
+    of_ros = {"use_sim_time", "start_type_description_service"}
     own = {n for n in node._parameters if n not in of_ros and not n.startswith("qos_overrides.")}
-    assert own == set(parameters_of(name)) - {"source"}
+    assert own == set(parameters_of(name))
     for full_name, parameter in parameters_of(name).items():
         told = node.describe_parameter(full_name)
         assert told.description == parameter.doc
         assert told.read_only == parameter.fixed
         assert all(choice in told.additional_constraints for choice in parameter.choices)
-        if full_name != "source":
+        if full_name not in GIVEN:
             assert node.get_parameter(full_name).value == parameter.default
         ranges = [*told.integer_range, *told.floating_point_range]
         bounded = isinstance(parameter.default, (int, float)) and not isinstance(parameter.default, bool)

@@ -22,24 +22,23 @@ from stereo_pick.core.calibration_run import CalibrationRun, calibrate_from
 from stereo_pick.core.configuration import configured, declared
 from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.frames import grey
-from stereo_pick.core.images import pixels
 from stereo_pick.core.pairing import Pair
-from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.core.params import parameter
 from stereo_pick.ros.board_watch import BoardWatch, Progress
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
-from stereo_pick.ros.messages.images import buffer_of, image_message
+from stereo_pick.ros.messages.images import image_message
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.parameters import Values
 from stereo_pick.ros.process import run_nodes
-from stereo_pick.ros.raw_pairs import RawPairs
-from stereo_pick.ros.topics import CALIBRATION_ANNOTATED, SIDES
+from stereo_pick.ros.raw_pairs import RawImageOptions, RawPairs
+from stereo_pick.ros.topics import CALIBRATION_ANNOTATED
 
 _DRAW_PERIOD_S = 0.1
 
 
 @dataclass(frozen=True)
-class CalibrationOptions(Configurable):
-    """The board, where the files go, and how raw images are read and paired."""
+class CalibrationOptions(RawImageOptions):
+    """The board, where the files go, and how raw images are paired and read."""
 
     board: str = parameter(
         "", "The board: chessboard:9x6 (inner corners) or charuco:11x8:0.75:5X5_100 (squares).", fixed=True
@@ -55,12 +54,6 @@ class CalibrationOptions(Configurable):
     )
     max_waiting: int = parameter(
         20, "How many pairs may wait to be looked at; of more, the newest are left out.", low=1, high=1000, fixed=True
-    )
-    max_stamp_offset_s: float = parameter(
-        0.01, "By how much the stamps of a left and a right image may differ.", low=0.0, high=1.0, fixed=True
-    )
-    full_scale_16: int = parameter(
-        65535, "Value of a 16-bit image that becomes white; 4095 for a 12-bit camera.", low=1, high=65535, fixed=True
     )
 
 
@@ -136,11 +129,8 @@ class CalibrationNode(StepNode):
         self._watch.offer(partial(self._read, pair, (pair.left_stamp_ns - self._start_ns) / 1e9))
 
     def _read(self, pair: Pair[Image], time_s: float) -> BoardImages:
-        left, right = (
-            grey(pixels(buffer_of(message), self._options.full_scale_16, f"{side} image"))
-            for side, message in zip(SIDES, (pair.left, pair.right))
-        )
-        return timed_pair(time_s, left, right)
+        left, right = self._options.read(pair)
+        return timed_pair(time_s, grey(left), grey(right))
 
     def _on_timer(self) -> None:
         """Publish a new picture where somebody looks at it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 from rclpy.context import Context
@@ -12,36 +12,22 @@ from sensor_msgs.msg import CameraInfo, Image
 from stereo_pick.core.configuration import configured, declared
 from stereo_pick.core.errors import StereoPickError
 from stereo_pick.core.frames import StereoFrame
-from stereo_pick.core.images import pixels
 from stereo_pick.core.pairing import Pair, Side
-from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.info_of_stamp import InfoOfStamp
 from stereo_pick.ros.messages.cameras import camera_info_message, camera_of, content
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status
-from stereo_pick.ros.messages.images import buffer_of, image_message
+from stereo_pick.ros.messages.images import image_message
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.parameters import Values
 from stereo_pick.ros.process import run_nodes
-from stereo_pick.ros.raw_pairs import RawPairs
+from stereo_pick.ros.raw_pairs import RawImageOptions, RawPairs
 from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RECT, SIDES
 
 _MAX_HELD = 5  # pairs that wait for their camera_info
 
 Infos = tuple[CameraInfo, CameraInfo]
-
-
-@dataclass(frozen=True)
-class RectificationOptions(Configurable):
-    """How raw images are read and paired."""
-
-    max_stamp_offset_s: float = parameter(
-        0.01, "By how much the stamps of a left and a right image may differ.", low=0.0, high=1.0
-    )
-    full_scale_16: int = parameter(
-        65535, "Value of a 16-bit image that becomes white; 4095 for a 12-bit camera.", low=1, high=65535
-    )
 
 
 class RectificationNode(StepNode):
@@ -58,18 +44,18 @@ class RectificationNode(StepNode):
         self._held: list[Pair[Image]] = []
         self._rectified = 0
         self._raw = RawPairs(self, self._on_pair)
-        super().__init__("rectification", context, declared({"": RectificationOptions}))
+        super().__init__("rectification", context, declared({"": RawImageOptions}))
         self._images = {side: self.advertise(IMAGE_RECT[side]) for side in SIDES}
         self._camera_infos = {side: self.advertise(CAMERA_INFO_RECT[side]) for side in SIDES}
         for side in SIDES:
             self.listen(CAMERA_INFO[side], partial(self._on_camera_info, side))
         self._raw.listen()
 
-    def configure(self, values: Values) -> RectificationOptions:
+    def configure(self, values: Values) -> RawImageOptions:
         """The options of these parameter values."""
-        return configured(RectificationOptions, "", values)
+        return configured(RawImageOptions, "", values)
 
-    def apply(self, configured: RectificationOptions) -> None:
+    def apply(self, configured: RawImageOptions) -> None:
         """Pair by the new options from now on."""
         self._options = configured
         self._raw.restart(configured.max_stamp_offset_s)
@@ -144,10 +130,7 @@ class RectificationNode(StepNode):
     def _rectify(self, pair: Pair[Image]) -> None:
         if self._rectifier is None:
             return  # its camera_info was refused, which stays the node's status
-        left, right = (
-            pixels(buffer_of(message), self._options.full_scale_16, f"{side} image")
-            for side, message in (("left", pair.left), ("right", pair.right))
-        )
+        left, right = self._options.read(pair)
         rectified = self._rectifier.rectify(StereoFrame(left, right, pair.left_stamp_ns))
         cameras = {"left": rectified.rig.left, "right": rectified.rig.right}
         images = {"left": rectified.left, "right": rectified.right}
