@@ -48,8 +48,8 @@ class SolidFit:
 
     def reach_m(self, direction: Floats) -> float:
         """How far the solid reaches from its centre in a direction (3,), a unit vector of the rectified left frame."""
-        own = np.reshape(direction @ self.rotation, (1, 1, 3))
-        return float((self.solid.kind.reach(own) @ self.solid.half_m[0])[0, 0])
+        solid, own = self.solid, direction @ self.rotation
+        return float(solid.kind.touch(own[None, None], solid.half_m)[0, 0] @ own)
 
     def centre_px(self, camera: Camera) -> Floats:
         """Where the centre (2,) [px] appears in a rectified camera."""
