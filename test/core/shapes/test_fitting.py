@@ -102,7 +102,7 @@ def test_a_part_of_the_outline_may_be_hidden(kind: str, percent: int) -> None:
             off = fit.centre_m - part.centre_m
             assert fit.kind == kind
             outside += bool(off @ np.linalg.solve(fit.covariance, off) > 7.8)
-    assert outside <= 1  # a cut across a long part can look like its end
+    assert outside <= len(parts) / 10  # a cut across a long part can look like its end
 
 
 def test_a_box_whose_end_is_hidden_has_no_centre() -> None:
