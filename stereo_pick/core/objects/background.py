@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats, Ints
 
+Window = tuple[slice, slice]
+
 _SAMPLES = 3000
 _MAX_ITERATIONS = 8
 _CONVERGED = 0.1  # sigmas of the background, everywhere
@@ -33,14 +35,14 @@ class Background:
     @property
     def level(self) -> NDArray[np.float32]:
         """Grey level (H, W) of the empty surface."""
-        return self.surface(0.0)
+        return self.at(np.s_[:, :])
 
-    def surface(self, above: float, step_px: int = 1) -> NDArray[np.float32]:
-        """Grey levels `above` those of the empty surface, at every `step_px`-th row and column."""
+    def at(self, window: Window, above: float = 0.0) -> NDArray[np.float32]:
+        """Grey level of the empty surface in a window of the image, raised by `above`."""
         by_row, u = _axes(self.shape)
-        c = self.coefficients
+        c, u = self.coefficients, u[window[1]]
         by_column = np.stack([c[0] + above + u * (c[1] + c[3] * u), c[2] + c[4] * u, np.full_like(u, c[5])])
-        return by_row[::step_px] @ by_column[:, ::step_px].astype(np.float32)
+        return by_row[window[0]] @ by_column.astype(np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +60,12 @@ class _Samples:
     check: Ints
 
 
+def even_background(level: float, shape: tuple[int, ...]) -> Background:
+    """The same level everywhere, and a spread of one grey level."""
+    height, width = shape
+    return Background(np.array([level, *[0.0] * (_TERMS - 1)]), (height, width), 1.0)
+
+
 def fit_background(image: NDArray[np.float32], valid: Bools) -> Background:
     """Fit a quadratic surface to the background, robustly: Tukey's biweight, from a least-median-of-squares start.
 
@@ -69,7 +77,7 @@ def fit_background(image: NDArray[np.float32], valid: Bools) -> Background:
     samples = _samples((height, width), stride_px, valid[::stride_px, ::stride_px].tobytes())
     grey = image.reshape(-1)[samples.index].astype(np.float64)
     coefficients = _start(samples, grey)
-    for part in (np.s_[:: _FEW], np.s_[:]):
+    for part in (np.s_[::_FEW], np.s_[:]):
         coefficients = _refined(coefficients, samples.terms[part], grey[part])
     return Background(coefficients, (height, width), _spread(grey - samples.terms @ coefficients))
 
@@ -111,7 +119,8 @@ def _samples(shape: tuple[int, int], stride_px: int, valid: bytes) -> _Samples:
     draw = np.random.default_rng(0)  # seeded: the same image must give the same objects
     trial = draw.integers(len(at), size=(_TRIALS, _TERMS))
     check = draw.integers(len(at), size=_CHECKED)
-    return _Samples(y * shape[1] + x, terms, trial, np.linalg.inv(terms[trial] + 1e-9 * np.eye(_TERMS)), check)
+    solve = np.asarray(np.linalg.inv(terms[trial] + 1e-9 * np.eye(_TERMS)), np.float64)
+    return _Samples(y * shape[1] + x, terms, trial, solve, check)
 
 
 @lru_cache(maxsize=8)
