@@ -85,10 +85,10 @@ class Detector(Configurable):
         """The reading of more contrast energy; the one that promises less is left out where it can't win."""
         promise = {polarity: left.energy(polarity) + right.energy(polarity) for polarity in ("bright", "dark")}
         likely, other = sorted(promise, key=lambda polarity: -promise[polarity])
-        reading = self._read(left, right, likely)
-        if _contrast_energy(reading) > _SAFE_LEAD * promise[other]:
-            return reading
-        return max(reading, self._read(left, right, other), key=_contrast_energy)
+        readings = {likely: self._read(left, right, likely)}
+        if _contrast_energy(readings[likely]) <= _SAFE_LEAD * promise[other]:
+            readings[other] = self._read(left, right, other)
+        return max((readings[polarity] for polarity in sorted(readings)), key=_contrast_energy)
 
     def _read(self, left: Contrast, right: Contrast, polarity: str) -> Blobs:
         return Blobs(self._within_columns(self._find(left, polarity)), self._find(right, polarity), polarity)
