@@ -92,7 +92,7 @@ def _best(sight: Sight, kind: Kind, table_normal: Floats | None) -> Fitted:
     sparse, fine = sight.coarse(), sight.without_corners()
     objects, solids = starts(sparse, kind, table_normal, _STAGES[0].kept)
     now = fitted(sparse.only(objects), solids, own_tangents)
-    for stage in _STAGES:
+    for stage in _STAGES if kind.turns else _STAGES[-1:]:
         few = _fewest(now, objects, stage.kept)
         objects, now = objects[few], now.only(few)
         seen, touch = (sparse, own_tangents) if stage.rough else (fine, nearest_tangents)

@@ -17,7 +17,7 @@ Touch = Callable[[Sight, Solids], Tangents]
 TUKEY = 4.685  # in sigmas: 95 % efficient on normal noise
 _LEAST_SCALE_PX = 0.05
 _LEAST_HALF = 0.02  # of the object's radius
-_CONVERGED_PX = 0.002
+_CONVERGED_PX = 0.01  # the step is taken, and the next one would be far smaller
 
 
 @dataclass(frozen=True, eq=False)
