@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stereo_pick.core.arrays import Bools, Floats, Ints
+from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.evidence import centre_covariance, complaint, determined, explained, misfit_px
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE, Kind
@@ -32,7 +32,15 @@ class _Stage(NamedTuple):
     rough: bool
 
 
-_STAGES = (_Stage(24, 2, True), _Stage(10, 4, True), _Stage(3, 2, False), _Stage(1, 4, False))
+_QUICK = (_Stage(5, 3, True), _Stage(2, 2, False), _Stage(1, 4, False))
+_THOROUGH = (_Stage(24, 2, True), _Stage(10, 4, True), _Stage(3, 2, False), _Stage(1, 4, False))
+_SEARCHES = (  # and how much, in units of the noise, the kinds before must have left unexplained to make it worthwhile
+    (SPHERE, _QUICK[-1:], 0.0),
+    (CYLINDER, _QUICK, 0.5),
+    (BOX, _QUICK, 1.0),
+    (CYLINDER, _THOROUGH, 1.0),
+    (BOX, _THOROUGH, 1.0),
+)
 
 Pair = tuple[Outline, Outline]
 
@@ -59,21 +67,20 @@ def fit_solids(
     if not len(seen):
         return chosen
     sight = Sight.of([pairs[i] for i in seen], rig)
-    least = np.full(len(seen), np.inf)
-    remaining = np.arange(len(seen))
-    for kind in (SPHERE, CYLINDER, BOX):
-        in_sight = sight.only(remaining)
-        found = _best(in_sight, kind, table_normal)
+    hidden = sight.inner.mean(axis=(1, 2)) > _HIDDEN
+    least, left = np.full(len(seen), np.inf), np.full(len(seen), np.inf)
+    for kind, stages, worthwhile in _SEARCHES:
+        remaining = np.flatnonzero(hidden | (left > worthwhile * noise_px))
+        if not len(remaining):
+            continue
+        found = _searched(sight.only(remaining), kind, table_normal, stages)
         misfit, cost = misfit_px(found, noise_px), complaint(found, noise_px)
         covariance = centre_covariance(found, noise_px)
         fixed = determined(found, covariance)
         for at in np.flatnonzero(explained(misfit, noise_px) & (cost < least[remaining])):
-            least[remaining[at]] = cost[at]
-            fit = _result(found, int(at), float(misfit[at]), covariance[at])
-            chosen[seen[remaining[at]]] = fit if fixed[at] else None
-        remaining = remaining[~_settled(in_sight, kind, misfit / noise_px)]
-        if not len(remaining):
-            break
+            i = remaining[at]
+            least[i], left[i] = cost[at], misfit[at]
+            chosen[seen[i]] = _result(found, int(at), float(misfit[at]), covariance[at]) if fixed[at] else None
     return chosen
 
 
@@ -81,18 +88,12 @@ def _can_be_fitted(pair: Pair) -> bool:
     return all((side.weight * (1 - side.corner)).sum() >= _LEAST_TRUSTED for side in pair)
 
 
-def _settled(sight: Sight, kind: Kind, misfit: Floats) -> Bools:
-    """Whether misfits (S,), in units of the noise, leave nothing to explain; of a hidden part nobody can know."""
-    whole = sight.inner.mean(axis=(1, 2)) < _HIDDEN
-    return np.asarray(whole & (misfit < (0.5 if kind is SPHERE else 1.0)))
-
-
-def _best(sight: Sight, kind: Kind, table_normal: Floats | None) -> Fitted:
-    """The best solid of one kind for every object: many at first, of which ever fewer are pursued."""
+def _searched(sight: Sight, kind: Kind, table_normal: Floats | None, stages: tuple[_Stage, ...]) -> Fitted:
+    """One solid of this kind for every object: many at first, of which ever fewer are pursued."""
     sparse, fine = sight.coarse(), sight.without_corners()
-    objects, solids = starts(sparse, kind, table_normal, _STAGES[0].kept)
+    objects, solids = starts(sparse, kind, table_normal, stages[0].kept)
     now = fitted(sparse.only(objects), solids, own_tangents)
-    for stage in _STAGES if kind.turns else _STAGES[-1:]:
+    for stage in stages:
         few = _fewest(now, objects, stage.kept)
         objects, now = objects[few], now.only(few)
         seen, touch = (sparse, own_tangents) if stage.rough else (fine, nearest_tangents)
