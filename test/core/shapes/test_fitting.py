@@ -137,17 +137,17 @@ def test_a_part_with_a_notch_is_explained_by_no_solid() -> None:
 
 def test_covariances_follow_chi_square() -> None:
     rng = np.random.default_rng(21)
-    distances = []
-    for kind in ("sphere", "cylinder"):
+    fitted, combined = [], []
+    for kind in KINDS:
         parts = [any_part(kind, RIG, rng) for _ in range(80)]
-        pairs = []
-        for part in parts:
-            left, right = (Outline.from_contour(disturbed(c, 0.1, rng)) for c in contours_px(part, RIG))
-            pairs.append((left, right))
-        for part, fit in zip(parts, fit_solids(pairs, RIG)):
+        noisy = [[disturbed(contour, 0.1, rng) for contour in contours_px(part, RIG)] for part in parts]
+        pairs = [(Outline.from_contour(left), Outline.from_contour(right)) for left, right in noisy]
+        for part, fit, contours in zip(parts, fit_solids(pairs, RIG), noisy):
             if fit is not None and fit.kind == kind:
-                off = fit.centre_m - part.centre_m
-                distances.append(off @ np.linalg.solve(fit.covariance, off))
-    assert len(distances) > 150
-    assert 1.6 < np.median(distances) < 3.4  # 2.37
-    assert 6 < np.percentile(distances, 95) < 10  # 7.81
+                for point, distances in ((fit.centre_m, fitted), (combined_m(fit, *contours, RIG), combined)):
+                    off = point - part.centre_m
+                    distances.append(off @ np.linalg.solve(fit.covariance, off))
+    assert len(fitted) > 225
+    for distances in (fitted, combined):
+        assert 1.6 < np.median(distances) < 3.4  # 2.37
+        assert 6 < np.percentile(distances, 95) < 10  # 7.81
