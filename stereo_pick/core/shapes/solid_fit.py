@@ -23,8 +23,8 @@ class SolidFit:
 
     kind: a name of `kinds.KINDS`; centre_m: (3,); rotation: (3, 3), its columns are the solid's axes, a cylinder's own
     the third; size_m: (3,), along these axes; residual_px: robust root mean square distance of the outlines from its
-    silhouettes; covariance: (3, 3) [m²], of the centre, and about that of the triangulated solid-angle centroids moved by
-    `perspective_shift_px`.
+    silhouettes; covariance: (3, 3) [m²], of the centre, and about that of the triangulated solid-angle centroids
+    moved by `perspective_shift_px`.
     """
 
     kind: str
