@@ -89,7 +89,8 @@ def run(args: argparse.Namespace) -> int:
         capture["calibration"] = str(args.calibration)
     outcome = run_chain(capture, {**pipeline_values(args), **files}, LiveTable().show, one_process=args.one_process)
     print(f"{outcome.arrays} pose arrays received" + ("" if args.loop else f" for {source.count} pairs"))
-    if not args.loop and not outcome.stopped and outcome.arrays < (source.count or 0):
+    explained = outcome.errors and outcome.arrays == 0
+    if not args.loop and not outcome.stopped and not explained and outcome.arrays < (source.count or 0):
         print(
             "stereo-pick: warning: not every pair came through: this machine is too slow for the recorded rate; "
             "use --rate 0.5 or less, or `stereo-pick replay`",

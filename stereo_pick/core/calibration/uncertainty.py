@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -62,7 +63,7 @@ class CalibrationUncertainty:
         """Standard deviation of each parameter by its name, like `left.fx`."""
         return dict(zip(NAMES, self.sigma.tolist()))
 
-    @property
+    @cached_property
     def cameras(self) -> tuple[Camera, Camera, Transform]:
         """Left, right (not rectified) and right_T_left."""
         return cameras_of(self.parameters, self.size_px)

@@ -3,26 +3,67 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.arrays import Bools, Floats, Ints
+
+Window = tuple[slice, slice]
 
 _SAMPLES = 3000
-_ITERATIONS = 8
+_MAX_ITERATIONS = 8
+_CONVERGED = 0.1  # sigmas of the background, everywhere
 _TRIALS = 250
 _CHECKED = 200
 _TUKEY = 4.685  # 95 % efficient for normal noise
 _MIN_SIGMA = 0.6  # rounding to whole grey levels alone, over two samples
+_TERMS = 6
+_FEW = 3  # one in so many samples is enough for most of the iterations
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Background:
-    """Grey level (H, W) of the empty surface, and the spread (one sigma, grey levels) around it."""
+    """A quadratic surface of grey levels over an image of shape (H, W), by its coefficients (6,), and the spread (one
+    sigma, grey levels) around it."""
 
-    level: NDArray[np.float32]
+    coefficients: NDArray[np.floating]
+    shape: tuple[int, int]
     sigma: float
+
+    @property
+    def level(self) -> NDArray[np.float32]:
+        """Grey level (H, W) of the empty surface."""
+        return self.at(np.s_[:, :])
+
+    def at(self, window: Window, above: float = 0.0) -> NDArray[np.float32]:
+        """Grey level of the empty surface in a window of the image, raised by `above`."""
+        by_row, u = _axes(self.shape)
+        c, u = self.coefficients, u[window[1]]
+        by_column = np.stack([c[0] + above + u * (c[1] + c[3] * u), c[2] + c[4] * u, np.full_like(u, c[5])])
+        return by_row[window[0]] @ by_column.astype(np.float32)
+
+
+@dataclass(frozen=True, eq=False)
+class _Samples:
+    """Where the background is looked at, and all of the fit that does not depend on the grey levels there.
+
+    index: (N,) into the flat image; terms: (N, 6); trial: (T, 6) samples that make one trial surface each, solve:
+    (T, 6, 6) the surface through them; check: (C,) samples that judge it.
+    """
+
+    index: Ints
+    terms: Floats
+    trial: Ints
+    solve: Floats
+    check: Ints
+
+
+def even_background(level: float, shape: tuple[int, ...]) -> Background:
+    """The same level everywhere, and a spread of one grey level."""
+    height, width = shape
+    return Background(np.array([level, *[0.0] * (_TERMS - 1)]), (height, width), 1.0)
 
 
 def fit_background(image: NDArray[np.float32], valid: Bools) -> Background:
@@ -31,48 +72,67 @@ def fit_background(image: NDArray[np.float32], valid: Bools) -> Background:
     Vignetting and the fall-off of a lamp are smooth; objects are outliers, as long as they cover
     less than about two fifths of the view. image: (H, W) grey; valid: (H, W), the pixels to look at.
     """
-    stride_px = max(1, int(np.sqrt(image.size / _SAMPLES)))
-    rows, columns = np.nonzero(valid[::stride_px, ::stride_px])
-    rows, columns = rows * stride_px, columns * stride_px
-    grey = image[rows, columns].astype(np.float64)
     height, width = image.shape
-    terms = _terms(columns / width - 0.5, rows / height - 0.5)
+    stride_px = max(1, int(np.sqrt(image.size / _SAMPLES)))
+    samples = _samples((height, width), stride_px, valid[::stride_px, ::stride_px].tobytes())
+    grey = image.reshape(-1)[samples.index].astype(np.float64)
+    coefficients = _start(samples, grey)
+    for part in (np.s_[::_FEW], np.s_[:]):
+        coefficients = _refined(coefficients, samples.terms[part], grey[part])
+    return Background(coefficients, (height, width), _spread(grey - samples.terms @ coefficients))
 
-    residual = grey - terms @ _start(terms, grey)
-    ridge = 1e-6 * len(grey) * np.eye(terms.shape[1])
-    for _ in range(_ITERATIONS):
-        weight = np.clip(1 - (residual / (_TUKEY * _spread(residual))) ** 2, 0, None) ** 2
-        weighted = terms * weight[:, None]
-        coefficients = np.linalg.solve(weighted.T @ terms + ridge, weighted.T @ grey)
+
+def _refined(coefficients: NDArray[np.floating], terms: Floats, grey: Floats) -> NDArray[np.floating]:
+    """Tukey's biweight by repeated weighting."""
+    ridge = 1e-6 * len(grey) * np.eye(_TERMS)
+    for _ in range(_MAX_ITERATIONS):
         residual = grey - terms @ coefficients
-    return Background(_surface(coefficients, width, height), _spread(residual))
+        sigma = _spread(residual)
+        weight = np.maximum(1 - (residual / (_TUKEY * sigma)) ** 2, 0) ** 2
+        weighted = terms.T * weight
+        before, coefficients = coefficients, np.linalg.solve(weighted @ terms + ridge, weighted @ grey)
+        if np.abs(coefficients - before).sum() < _CONVERGED * sigma:
+            break
+    return coefficients
 
 
-def _start(terms: Floats, grey: Floats) -> NDArray[np.floating]:
+def _start(samples: _Samples, grey: Floats) -> NDArray[np.floating]:
     """The surface through a few samples that leaves the least median residual (Rousseeuw 1984).
 
     The biweight alone, started from the median, follows large objects on a background that is not even.
     """
+    surfaces = (samples.solve * grey[samples.trial][:, None]).sum(axis=2)
+    surfaces[0] = [_median(grey), *[0.0] * (_TERMS - 1)]
+    seen = samples.terms[samples.check].T.astype(np.float32)
+    residual = np.abs(surfaces.astype(np.float32) @ seen - grey[samples.check].astype(np.float32))
+    return np.asarray(surfaces[np.partition(residual, _CHECKED // 2, axis=1)[:, _CHECKED // 2].argmin()])
+
+
+@lru_cache(maxsize=8)
+def _samples(shape: tuple[int, int], stride_px: int, valid: bytes) -> _Samples:
+    """A grid of one sample each stride_px; valid: (h, w) bool, which of them to look at."""
+    rows, columns = (np.arange(0, size, stride_px) for size in shape)
+    at = np.flatnonzero(np.frombuffer(valid, np.bool_))
+    y, x = rows[at // len(columns)], columns[at % len(columns)]
+    u, v = x / shape[1] - 0.5, y / shape[0] - 0.5
+    terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
     draw = np.random.default_rng(0)  # seeded: the same image must give the same objects
-    trial = draw.integers(len(grey), size=(_TRIALS, terms.shape[1]))
-    check = draw.integers(len(grey), size=_CHECKED)
-    ridge = 1e-9 * np.eye(terms.shape[1])
-    surfaces = np.linalg.solve(terms[trial] + ridge, grey[trial][..., None])[..., 0]
-    surfaces[0] = [np.median(grey), *[0.0] * (terms.shape[1] - 1)]
-    median = np.median(np.abs(grey[check] - surfaces @ terms[check].T), axis=1)
-    return np.asarray(surfaces[median.argmin()])
+    trial = draw.integers(len(at), size=(_TRIALS, _TERMS))
+    check = draw.integers(len(at), size=_CHECKED)
+    solve = np.asarray(np.linalg.inv(terms[trial] + 1e-9 * np.eye(_TERMS)), np.float64)
+    return _Samples(y * shape[1] + x, terms, trial, solve, check)
 
 
-def _terms(u: Floats, v: Floats) -> Floats:
-    return np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
-
-
-def _surface(c: NDArray[np.floating], width: int, height: int) -> NDArray[np.float32]:
-    u, v = np.arange(width) / width - 0.5, np.arange(height) / height - 0.5
-    by_row = np.stack([np.ones_like(v), v, v * v], axis=1).astype(np.float32)
-    by_column = np.stack([c[0] + c[1] * u + c[3] * u * u, c[2] + c[4] * u, np.full_like(u, c[5])]).astype(np.float32)
-    return by_row @ by_column
+@lru_cache(maxsize=8)
+def _axes(shape: tuple[int, int]) -> tuple[NDArray[np.float32], Floats]:
+    """Powers 0 to 2 (H, 3) of the row's place, and the column's place (W,), both from -0.5 to 0.5."""
+    v, u = (np.arange(size) / size - 0.5 for size in shape)
+    return np.stack([np.ones_like(v), v, v * v], axis=1).astype(np.float32), u
 
 
 def _spread(residual: Floats) -> float:
-    return max(1.4826 * float(np.median(np.abs(residual))), _MIN_SIGMA)
+    return max(1.4826 * _median(np.abs(residual)), _MIN_SIGMA)
+
+
+def _median(values: Floats) -> float:
+    return float(np.partition(values, len(values) // 2)[len(values) // 2])

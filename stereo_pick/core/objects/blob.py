@@ -44,7 +44,7 @@ class Blob:
         """Centre of gravity (2,) of the area inside the contour (Green's theorem) [px]."""
         origin = self.contour_px.mean(axis=0)
         here = self.contour_px - origin
-        ahead = np.roll(here, -1, axis=0)
+        ahead = np.concatenate([here[1:], here[:1]])
         cross = here[:, 0] * ahead[:, 1] - ahead[:, 0] * here[:, 1]
         return np.asarray(origin + ((here + ahead) * cross[:, None]).sum(axis=0) / (3 * cross.sum()))
 
@@ -91,5 +91,5 @@ class Blobs:
 
 
 def _signed_area(contour: Floats) -> float:
-    x, y = contour.T
-    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    x, y = np.concatenate([contour, contour[:1]]).T
+    return 0.5 * float(x[:-1] @ y[1:] - y[:-1] @ x[1:])

@@ -16,6 +16,7 @@ from stereo_pick.core.objects.view import View
 from stereo_pick.core.params import Configurable, parameter
 
 _MIN_EDGE_SIGMA = 3.0  # noise by which both sides of an edge must differ for its place to be refined
+_SAFE_LEAD = 4.0  # holes are filled and gaps closed: objects may have more energy than their pixels
 
 
 @dataclass(frozen=True)
@@ -63,33 +64,37 @@ class Detector(Configurable):
     def detect(self, pair: RectifiedPair) -> Blobs:
         """Return the objects of both views, left to right.
 
-        With polarity = auto both views are read both ways, and the way with more contrast energy
-        (area x contrast²) wins, for both views together: a shadow is a weaker mark than its object.
+        With polarity = auto the way of reading them with more contrast energy (area x contrast²) wins, for both
+        views together: a shadow is a weaker mark than its object.
         """
         reduction = None if self.subpixel and self.threshold == "background" else 1
-        views = View.of(pair.left, pair.rig.left, reduction), View.of(pair.right, pair.rig.right, reduction)
-        contrasts = [
-            measure_contrast(view, self.threshold, self.fixed_threshold, self.threshold_sigma) for view in views
-        ]
-        polarities = ("bright", "dark") if self.polarity == "auto" else (self.polarity,)
-        readings = [
-            Blobs(
-                self._within_columns(self._find(views[0], contrasts[0], polarity)),
-                self._find(views[1], contrasts[1], polarity),
-                polarity,
+        left, right = (
+            measure_contrast(
+                View.of(image, camera, reduction), self.threshold, self.fixed_threshold, self.threshold_sigma
             )
-            for polarity in polarities
-        ]
-        best = max(readings, key=_contrast_energy)
+            for image, camera in ((pair.left, pair.rig.left), (pair.right, pair.rig.right))
+        )
+        best = self._read(left, right, self.polarity) if self.polarity != "auto" else self._clearer(left, right)
         return Blobs(
-            self._finished(best.left, views[0], contrasts[0], best.polarity),
-            self._finished(best.right, views[1], contrasts[1], best.polarity),
+            self._finished(best.left, left, best.polarity),
+            self._finished(best.right, right, best.polarity),
             best.polarity,
         )
 
-    def _find(self, view: View, contrast: Contrast, polarity: str) -> tuple[Blob, ...]:
-        fore = foreground(view, contrast, polarity)
-        found = outlines(view, fore, self.min_area_px, self.closing_px)
+    def _clearer(self, left: Contrast, right: Contrast) -> Blobs:
+        """The reading of more contrast energy; the one that promises less is left out where it can't win."""
+        promise = {polarity: left.energy(polarity) + right.energy(polarity) for polarity in ("bright", "dark")}
+        likely, other = sorted(promise, key=lambda polarity: -promise[polarity])
+        readings = {likely: self._read(left, right, likely)}
+        if _contrast_energy(readings[likely]) <= _SAFE_LEAD * promise[other]:
+            readings[other] = self._read(left, right, other)
+        return max((readings[polarity] for polarity in sorted(readings)), key=_contrast_energy)
+
+    def _read(self, left: Contrast, right: Contrast, polarity: str) -> Blobs:
+        return Blobs(self._within_columns(self._find(left, polarity)), self._find(right, polarity), polarity)
+
+    def _find(self, contrast: Contrast, polarity: str) -> tuple[Blob, ...]:
+        found = outlines(foreground(contrast, polarity), self.min_area_px, self.closing_px)
         ordered = sorted(found, key=lambda blob: float(blob.centroid_px[0]))
         return tuple(b for b in ordered if _within(b.centroid_px[1], self.roi_y_px, self.roi_height_px))
 
@@ -97,31 +102,32 @@ class Detector(Configurable):
         """The left view's objects in the region of interest; the right view shows it at unknown columns."""
         return tuple(b for b in blobs if _within(b.centroid_px[0], self.roi_x_px, self.roi_width_px))
 
-    def _finished(self, blobs: tuple[Blob, ...], view: View, contrast: Contrast, polarity: str) -> tuple[Blob, ...]:
+    def _finished(self, blobs: tuple[Blob, ...], contrast: Contrast, polarity: str) -> tuple[Blob, ...]:
         """The objects with refined outlines, without shadows, and with their faults."""
         strongest = max((blob.contrast for blob in blobs), default=0.0)
         least = max(float(self.min_contrast), self.min_relative_contrast * strongest)
         faint = [replace(blob, fault="faint") for blob in blobs if blob.contrast < least]
-        clear = self._refined([blob for blob in blobs if blob.contrast >= least], view, contrast)
+        clear = self._refined([blob for blob in blobs if blob.contrast >= least], contrast)
         if polarity == "dark":
-            clear = self._without_shadows(clear, view, contrast)
+            clear = self._without_shadows(clear, contrast)
         found = [self._checked(blob) for blob in clear] + faint
         return tuple(sorted(found, key=lambda blob: float(blob.centroid_px[0])))
 
-    def _without_shadows(self, blobs: list[Blob], view: View, contrast: Contrast) -> list[Blob]:
+    def _without_shadows(self, blobs: list[Blob], contrast: Contrast) -> list[Blob]:
         kept = []
         for blob in blobs:
             parts = []
             if may_hold_shadow(blob):
-                parts = list(strongest_parts(blob, view, -contrast.difference, self.min_area_px))
-                parts = self._refined(parts, view, contrast)
+                parts = list(strongest_parts(blob, contrast, "dark", self.min_area_px))
+                parts = self._refined(parts, contrast)
             kept += parts if clearer(parts, blob) else [blob]
         return kept
 
-    def _refined(self, blobs: list[Blob], view: View, contrast: Contrast) -> list[Blob]:
+    def _refined(self, blobs: list[Blob], contrast: Contrast) -> list[Blob]:
         if not self.subpixel or not blobs:
             return blobs
-        traced = trace_silhouettes(view.image, [blob.contour_px for blob in blobs], _MIN_EDGE_SIGMA * contrast.noise)
+        least = _MIN_EDGE_SIGMA * contrast.background.sigma
+        traced = trace_silhouettes(contrast.view.image, [blob.contour_px for blob in blobs], least)
         return [
             replace(blob, contour_px=silhouette.points_px, sharpness=np.abs(silhouette.sharpness))
             for blob, silhouette in zip(blobs, traced)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Floats
 
@@ -42,17 +43,18 @@ class Edges:
 def find_edges(profiles: Floats, blur_px: float) -> Edges:
     """Explain profiles (N, len(OFFSETS_PX)) by least squares: the level outside, a step, the shading behind it, for
     each of a grid of places."""
-    bases, triangles = _model(blur_px)
-    level = profiles[:, :1]  # large levels cost digits
-    explained = ((profiles - level) @ bases).reshape(len(profiles), len(_EDGES_PX), 3)
-    squares = ((profiles - level) ** 2).sum(axis=1)[:, None] - (explained**2).sum(axis=2)
+    model = _model(blur_px)
+    change = profiles - profiles.mean(axis=1, keepdims=True)
+    first, second = change @ model.first, change @ model.second
+    squares = (change**2).sum(axis=1)[:, None] - first**2 - second**2
     best = np.clip(squares.argmin(axis=1), 1, len(_EDGES_PX) - 2)
     row = np.arange(len(best))
     before, at, after = squares[row, best - 1], squares[row, best], squares[row, best + 1]
     bend = before - 2 * at + after
     part = np.clip(0.5 * (before - after) / np.where(bend > 0, bend, np.inf), -1.0, 1.0)
     least = np.maximum(at, 0.0)
-    _, step, shading = (triangles[best] @ explained[row, best][..., None])[..., 0].T
+    first, second, solve = first[row, best], second[row, best], model.solve[best]
+    step, shading = solve[:, 0] * first + solve[:, 1] * second, solve[:, 2] * second
     noise = 3 * np.sqrt(least / _FREEDOM)
     sharpness = step / (np.abs(step) + np.abs(shading) + noise + 1e-9)
     return Edges(_EDGES_PX[best] + part * _EDGE_STEP_PX, step, sharpness, least)
@@ -60,22 +62,45 @@ def find_edges(profiles: Floats, blur_px: float) -> Edges:
 
 def best_blur_px(profiles: Floats) -> float:
     """The blur (one sigma) with which these profiles (N, len(OFFSETS_PX)) are explained best, all together."""
-    return min(BLURS_PX, key=lambda blur_px: float(find_edges(profiles, blur_px).squares.sum()))
+    change = (profiles - profiles.mean(axis=1, keepdims=True)).astype(np.float32)
+    first, second = _all_models()
+    explained = (change @ first) ** 2 + (change @ second) ** 2
+    best = explained.reshape(len(change), -1, len(BLURS_PX)).max(axis=1)
+    return BLURS_PX[int(best.sum(axis=0).argmax())]
+
+
+@dataclass(frozen=True, eq=False)
+class _Model:
+    """What a profile may show less its mean, for each of E places of the edge: first, second: (M, E), orthonormal
+    bases; solve: (E, 3), by which a profile's components a, b give its step, solve[0] a + solve[1] b, and its
+    shading over all of the inside, solve[2] b."""
+
+    first: Floats
+    second: Floats
+    solve: Floats
 
 
 @lru_cache(maxsize=len(BLURS_PX))
-def _model(blur_px: float) -> tuple[Floats, Floats]:
-    """Orthonormal bases (M, 3 E) of the model for each place of the edge, side by side, and the matrices (E, 3, 3)
-    that make of a profile's components its level, step and shading; the shading is that over all of the inside."""
-    bases, triangles = [], []
+def _model(blur_px: float) -> _Model:
+    bases, solve = [], []
     for place_px in _EDGES_PX:
         inside = OFFSETS_PX - place_px
         shading = _blurred(_SHADING_POWER, inside, blur_px) / inside[-1] ** _SHADING_POWER
-        model = np.stack([np.ones_like(inside), _blurred(0.0, inside, blur_px), shading], axis=1)
-        basis, triangle = np.linalg.qr(model)
+        model = np.stack([_blurred(0.0, inside, blur_px), shading], axis=1)
+        basis, triangle = np.linalg.qr(model - model.mean(axis=0))
         bases.append(basis)
-        triangles.append(np.linalg.inv(triangle))
-    return np.concatenate(bases, axis=1), np.stack(triangles)
+        solve.append(np.linalg.inv(triangle)[[0, 0, 1], [0, 1, 1]])
+    first, second = np.stack(bases, axis=2).transpose(1, 0, 2)
+    return _Model(first, second, np.stack(solve))
+
+
+@lru_cache(maxsize=1)
+def _all_models() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Bases (M, E' B) of all blurs for the places inside the grid, blur by blur for each place."""
+    models = [_model(blur_px) for blur_px in BLURS_PX]
+    first = np.stack([model.first[:, 1:-1] for model in models], axis=2)
+    second = np.stack([model.second[:, 1:-1] for model in models], axis=2)
+    return first.reshape(len(first), -1).astype(np.float32), second.reshape(len(second), -1).astype(np.float32)
 
 
 def _blurred(power: float, at_px: Floats, blur_px: float) -> Floats:

@@ -8,40 +8,61 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Bools
-from stereo_pick.core.objects.background import fit_background
+from stereo_pick.core.arrays import Image
+from stereo_pick.core.objects.background import Background, Window, even_background, fit_background
 from stereo_pick.core.objects.view import View
 
 # A surface that is lit takes nothing away from its surroundings: at the bright side of the background there is
 # only the faint light that objects throw on the table. At the dark side there are their shadows, and a soft
 # shadow takes up to half of the light away.
 _TRIM = {"bright": 0.15, "dark": 0.5}
+_GRID_PX = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Contrast:
-    """How far each pixel of a view lies above the background, before it is said whether objects are bright or dark.
+    """A view beside its background, before it is said whether objects are bright or dark.
 
-    difference: (H, W) grey levels; threshold: the excess from which a pixel may belong to an object, above
-    and below; noise: one sigma of the background; trims: whether glow and shadow can be told from objects.
+    background: the empty surface; threshold: the excess [grey levels] from which a pixel may belong to an object,
+    above and below it; trims: whether glow and shadow can be told from objects.
     """
 
-    difference: NDArray[np.float32]
+    view: View
+    background: Background
     bright_threshold: float
     dark_threshold: float
-    noise: float
     trims: bool
+
+    def threshold(self, polarity: str) -> float:
+        """The excess from which a pixel may belong to an object of this polarity [grey levels]."""
+        return self.bright_threshold if polarity == "bright" else self.dark_threshold
+
+    def excess(self, polarity: str, window: Window) -> NDArray[np.float32]:
+        """Grey levels by which the pixels of a window stand out from the background in this direction."""
+        grey, level = self.view.smooth[window], self.background.at(window)
+        return grey - level if polarity == "bright" else level - grey
+
+    def energy(self, polarity: str) -> float:
+        """About the sum of the excess² of all pixels that may belong to objects, from a grid of them."""
+        window = np.s_[::_GRID_PX, ::_GRID_PX]
+        excess = self.excess(polarity, window)[self.view.inside[window]]
+        excess = excess[excess > self.threshold(polarity)]
+        return float(excess @ excess) * _GRID_PX**2
 
 
 @dataclass(frozen=True, eq=False)
 class Foreground:
-    """mask: (H, W), the object pixels; excess: (H, W), grey levels by which each pixel stands out from the
-    background in the direction of the polarity; trim: part of an object's own excess below which a pixel at its
-    rim is glow or shadow."""
+    """The pixels that stand out as objects of one polarity do, by mask (H, W), 1 or 0; trim: part of an object's own
+    excess below which a pixel at its rim is glow or shadow."""
 
-    mask: Bools
-    excess: NDArray[np.float32]
+    contrast: Contrast
+    polarity: str
+    mask: Image
     trim: float
+
+    def excess(self, window: Window) -> NDArray[np.float32]:
+        """By how much the pixels of a window stand out [grey levels]."""
+        return self.contrast.excess(self.polarity, window)
 
 
 def measure_contrast(view: View, method: str, fixed_threshold: int, threshold_sigma: float) -> Contrast:
@@ -49,22 +70,22 @@ def measure_contrast(view: View, method: str, fixed_threshold: int, threshold_si
     if method == "background":
         background = fit_background(view.smooth, view.inside)
         limit = threshold_sigma * background.sigma
-        return Contrast(view.smooth - background.level, limit, limit, background.sigma, trims=True)
+        return Contrast(view, background, limit, limit, trims=True)
     threshold = _otsu(view) if method == "otsu" else float(fixed_threshold)
     grey = view.smooth[view.inside]
     above, below = grey[grey > threshold], grey[grey <= threshold]
     # The larger class is the background; half-way levels need a background level, not the threshold.
     level = float(np.median(below if below.size >= above.size else above))
-    return Contrast(view.smooth - np.float32(level), threshold - level, level - threshold, 1.0, trims=False)
+    return Contrast(view, even_background(level, view.smooth.shape), threshold - level, level - threshold, trims=False)
 
 
-def foreground(view: View, contrast: Contrast, polarity: str) -> Foreground:
+def foreground(contrast: Contrast, polarity: str) -> Foreground:
     """The pixels that stand out as bright, or as dark, objects do."""
-    bright = polarity == "bright"
-    excess = contrast.difference if bright else -contrast.difference
-    limit = contrast.bright_threshold if bright else contrast.dark_threshold
-    mask = (excess > limit) & view.inside
-    return Foreground(mask, excess, _TRIM[polarity] if contrast.trims else 0.0)
+    bright, limit = polarity == "bright", contrast.threshold(polarity)
+    level = contrast.background.at(np.s_[:, :], limit if bright else -limit)
+    mask = contrast.view.smooth > level if bright else contrast.view.smooth < level
+    mask &= contrast.view.inside
+    return Foreground(contrast, polarity, mask.view(np.uint8), _TRIM[polarity] if contrast.trims else 0.0)
 
 
 def _otsu(view: View) -> float:

@@ -3,81 +3,97 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
+from typing import TypeVar
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.objects.blob import Blob
 from stereo_pick.core.objects.foreground import Foreground
 from stereo_pick.core.objects.view import View
 
+_T = TypeVar("_T", bound=np.generic)
 
-def outlines(view: View, fore: Foreground, min_area_px: int, closing_px: int) -> Iterator[Blob]:
+
+def outlines(fore: Foreground, min_area_px: int, closing_px: int) -> Iterator[Blob]:
     """Yield the objects of one view; their contours run through the centres of their outermost pixels.
 
     min_area_px and closing_px are those of the view in full size.
     """
-    min_area_px = max(1, round(min_area_px / view.reduction**2))
+    view = fore.contrast.view
+    min_area_px = _reduced_area(view, min_area_px)
     closing_px = 2 * (closing_px // (2 * view.reduction)) + 1 if closing_px else 0
-    mask = cv2.medianBlur(fore.mask.astype(np.uint8), 3)  # salt and pepper
+    mask = np.asarray(cv2.medianBlur(fore.mask, 3), np.uint8)  # salt and pepper
     contours, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)  # 8-connected
     for outer in contours:
         x, y, width, height = cv2.boundingRect(outer)
-        window = np.s_[y : y + height, x : x + width]
-        member = _filled(np.asarray(outer, np.int32) - np.array([x, y], np.int32), (height, width)).astype(
-            np.bool_
-        ) & mask[window].astype(np.bool_)
-        if np.count_nonzero(member) < min_area_px:
+        if width * height < min_area_px:
             continue
-        for pixels, contrast in _trimmed(member, fore.excess[window], fore.trim, min_area_px, closing_px):
-            contour = _outer_contour(pixels) + (x - closing_px, y - closing_px)
-            yield Blob(view.full_px(contour), contrast, cut=_leaves(view, contour))
+        window = np.s_[y : y + height, x : x + width]
+        member = _filled(np.asarray(outer, np.int32), (height, width), (-x, -y)) & mask[window]
+        if cv2.countNonZero(member) >= min_area_px:
+            excess = fore.excess(window)
+            # What fades at the rim is glow or shadow.
+            member &= excess > fore.trim * upper_median(excess[member.view(np.bool_)])
+            yield from pieces(view, member, excess, (x, y), min_area_px, closing_px)
 
 
-def _trimmed(
-    member: Bools, excess: NDArray[np.float32], trim: float, min_area_px: int, closing_px: int
-) -> Iterator[tuple[NDArray[np.uint8], float]]:
-    """Cut the glow or shadow off a component, close and fill it; yield what is left, in pieces, with their contrast."""
-    return _closed(member & (excess > trim * np.median(excess[member])), excess, min_area_px, closing_px)
+def parts(
+    view: View, member: Image, excess: NDArray[np.float32], corner: tuple[int, int], min_area_px: int
+) -> Iterator[Blob]:
+    """Yield the connected parts of a mask, 1 or 0, whose upper left corner is at this (column, row) of the reduced
+    view; min_area_px is that of the view in full size."""
+    return pieces(view, member, excess, corner, _reduced_area(view, min_area_px), closing_px=1)
 
 
 def pieces(
-    view: View, member: Bools, excess: NDArray[np.float32], corner: tuple[int, int], min_area_px: int
+    view: View, member: Image, excess: NDArray[np.float32], corner: tuple[int, int], min_area_px: int, closing_px: int
 ) -> Iterator[Blob]:
-    """Yield the connected parts of a mask whose upper left corner is at this (column, row) of the reduced view."""
-    for pixels, contrast in _closed(member, excess, max(1, round(min_area_px / view.reduction**2)), 1):
-        contour = _outer_contour(pixels) + (corner[0] - 1, corner[1] - 1)
+    """The same with gaps closed; all sizes are those of the reduced view."""
+    kept, excess = _padded(member, closing_px), _padded(excess, closing_px)
+    if closing_px > 1:
+        kept = np.asarray(cv2.morphologyEx(kept, cv2.MORPH_CLOSE, _disc(closing_px)), np.uint8)
+    contours, _ = cv2.findContours(kept, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    for found in contours:
+        filled = _filled(np.asarray(found, np.int32), kept.shape)
+        if cv2.countNonZero(filled) < min_area_px or len(found) < 3:
+            continue
+        contrast = upper_median(excess[(filled & kept).view(np.bool_)])
+        contour = np.asarray(found[:, 0], np.float64) + (corner[0] - closing_px, corner[1] - closing_px)
         yield Blob(view.full_px(contour), contrast, cut=_leaves(view, contour))
 
 
-def _closed(
-    member: Bools, excess: NDArray[np.float32], min_area_px: int, closing_px: int
-) -> Iterator[tuple[NDArray[np.uint8], float]]:
-    """The filled pieces of a mask, padded by closing_px all around, with their contrast."""
-    kept, excess = np.pad(member.astype(np.uint8), closing_px), np.pad(excess, closing_px)
-    if closing_px > 1:
-        kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (closing_px, closing_px))
-        kept = np.asarray(cv2.morphologyEx(kept, cv2.MORPH_CLOSE, kernel), np.uint8)
-    contours, _ = cv2.findContours(kept, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    for contour in contours:
-        filled = _filled(np.asarray(contour, np.int32), kept.shape)
-        if cv2.countNonZero(filled) >= min_area_px and len(contour) >= 3:
-            yield filled, float(np.median(excess[(filled & kept).astype(np.bool_)]))
+def upper_median(values: NDArray[np.floating]) -> float:
+    """The median, or the upper of two: `np.median` takes longer than all else that is done to an outline."""
+    middle = len(values) // 2
+    return float(np.partition(values, middle)[middle])
 
 
-def _filled(contour: NDArray[np.int32], shape: tuple[int, ...]) -> NDArray[np.uint8]:
+def _reduced_area(view: View, area_px: int) -> int:
+    return max(1, round(area_px / view.reduction**2))
+
+
+def _padded(values: NDArray[_T], by_px: int) -> NDArray[_T]:
+    padded = np.zeros((values.shape[0] + 2 * by_px, values.shape[1] + 2 * by_px), values.dtype)
+    padded[by_px : by_px + values.shape[0], by_px : by_px + values.shape[1]] = values
+    return padded
+
+
+@lru_cache
+def _disc(size_px: int) -> Image:
+    return np.asarray(cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size_px, size_px)), np.uint8)
+
+
+def _filled(contour: NDArray[np.int32], shape: tuple[int, ...], shift_px: tuple[int, int] = (0, 0)) -> Image:
     filled = np.zeros(shape, np.uint8)
-    cv2.drawContours(filled, [contour], -1, 1, cv2.FILLED)
+    cv2.drawContours(filled, [contour], -1, 1, cv2.FILLED, offset=shift_px)
     return filled
 
 
-def _outer_contour(pixels: NDArray[np.uint8]) -> Floats:
-    contours, _ = cv2.findContours(pixels, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    return np.asarray(max(contours, key=len)[:, 0], np.float64)
-
-
 def _leaves(view: View, contour: Floats) -> bool:
-    rows, columns = (np.clip(contour[:, axis], 0, view.core.shape[1 - axis] - 1).astype(np.int64) for axis in (1, 0))
+    last = np.array(view.core.shape[::-1]) - 1
+    columns, rows = np.clip(contour, 0, last).astype(np.int64).T
     return not bool(view.core[rows, columns].all())

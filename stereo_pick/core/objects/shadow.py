@@ -6,11 +6,10 @@ from collections.abc import Iterator
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from stereo_pick.core.objects.blob import Blob
-from stereo_pick.core.objects.outline import pieces
-from stereo_pick.core.objects.view import View
+from stereo_pick.core.objects.foreground import Contrast
+from stereo_pick.core.objects.outline import parts
 
 SHARP = 0.25
 """Sharpness from which a contour point is on an edge, and not where light merely fades."""
@@ -29,21 +28,23 @@ def may_hold_shadow(blob: Blob) -> bool:
     return fading(blob) > _MAY_FADE
 
 
-def strongest_parts(blob: Blob, view: View, excess: NDArray[np.float32], min_area_px: int) -> Iterator[Blob]:
+def strongest_parts(blob: Blob, contrast: Contrast, polarity: str, min_area_px: int) -> Iterator[Blob]:
     """The pieces of a blob (its contour in the view's pixels) that stand out most, by Otsu's threshold inside it."""
+    view = contrast.view
     contour = np.round((blob.contour_px + 0.5) / view.reduction - 0.5).astype(np.int32)
     x, y, width, height = cv2.boundingRect(contour)
     x, y = max(x, 0), max(y, 0)
-    window = excess[y : y + height, x : x + width]
-    inside = np.zeros(window.shape, np.uint8)
-    cv2.drawContours(inside, [contour - np.array([x, y], np.int32)], -1, 1, cv2.FILLED)
-    member = inside.astype(np.bool_)
-    top = float(window[member].max(initial=0.0))
+    excess = contrast.excess(polarity, np.s_[y : y + height, x : x + width])
+    member = np.zeros(excess.shape, np.uint8)
+    cv2.drawContours(member, [contour], -1, 1, cv2.FILLED, offset=(-x, -y))
+    inside = excess[member.view(np.bool_)]
+    top = float(inside.max(initial=0.0))
     if top <= 0:
         return
-    grey = np.clip(window[member] * (255 / top), 0, 255).astype(np.uint8)
+    grey = np.clip(inside * (255 / top), 0, 255).astype(np.uint8)
     level, _ = cv2.threshold(grey, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
-    yield from pieces(view, member & (window > level / 255 * top), window, (x, y), min_area_px)
+    member &= excess > level / 255 * top
+    yield from parts(view, member, excess, (x, y), min_area_px)
 
 
 def clearer(parts: list[Blob], whole: Blob) -> bool:

@@ -9,11 +9,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Bools, Floats, Image
+from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.rectified_view import valid_region
 
 _SMOOTHING_PX = 0.8  # of the reduced view
+_KERNEL = cv2.getGaussianKernel(7, _SMOOTHING_PX)
+_VOID = 1e-3
 _REDUCED_PX = 640 * 480  # objects are found on a view of at most about so many pixels ...
 _MAX_REDUCTION = 3  # ... but one of min_area_px must still show there
 
@@ -35,9 +37,9 @@ class View:
         """Prepare one image (H, W) of a rectified pair."""
         if reduction is None:
             reduction = _reduction(camera)
-        inside, coverage, core = _masks(camera, reduction)
-        covered = cv2.bitwise_and(image, image, mask=_mask(camera))
-        small = _blurred(_reduced(np.asarray(covered), reduction)) / coverage
+        inside, core, rim, coverage = _masks(camera, reduction)
+        small = _blurred(_reduced(np.asarray(cv2.bitwise_and(image, _mask(camera))), reduction))
+        small.reshape(-1)[rim] /= coverage
         return View(image, small, inside, core, reduction)
 
     def full_px(self, reduced_px: Floats) -> Floats:
@@ -52,13 +54,15 @@ def _reduction(camera: Camera) -> int:
 
 
 @lru_cache(maxsize=8)
-def _masks(camera: Camera, reduction: int) -> tuple[Bools, NDArray[np.float32], Bools]:
-    """Inside and core of a reduced view, and what part of each pixel's smoothing window the raw image covers:
-    the void around the image must not darken its rim."""
-    covered = _reduced(_mask(camera), reduction) / np.float32(255)
+def _masks(camera: Camera, reduction: int) -> tuple[Bools, Bools, Ints, NDArray[np.float32]]:
+    """Inside and core of a reduced view; and the pixels at its rim (flat), with the part of each one's smoothing
+    window that the raw image covers: the void around the image must not darken its rim."""
+    covered = np.asarray(_reduced(_mask(camera), reduction) / np.float32(255), np.float32)
     inside = covered > 0.5
     least = cv2.erode(inside.astype(np.uint8), np.ones((3, 3), np.uint8), borderType=cv2.BORDER_CONSTANT, borderValue=0)
-    return inside, np.maximum(_blurred(covered), np.float32(1e-3)), np.asarray(least, np.bool_)
+    coverage = _blurred(covered).reshape(-1)
+    rim = np.flatnonzero((coverage > _VOID) & (coverage < 1 - _VOID))
+    return inside, np.asarray(least, np.bool_), rim, coverage[rim]
 
 
 @lru_cache(maxsize=8)
@@ -66,13 +70,14 @@ def _mask(camera: Camera) -> Image:
     return valid_region(camera).astype(np.uint8) * np.uint8(255)
 
 
-def _reduced(image: Image, reduction: int) -> NDArray[np.float32]:
-    height, width = image.shape[0] // reduction, image.shape[1] // reduction
-    whole = image[: height * reduction, : width * reduction]
+def _reduced(image: Image, reduction: int) -> Image | NDArray[np.float32]:
     if reduction == 1:
-        return whole.astype(np.float32)
-    return np.asarray(cv2.resize(whole.astype(np.float32), (width, height), interpolation=cv2.INTER_AREA), np.float32)
+        return image
+    height, width = image.shape[0] // reduction, image.shape[1] // reduction
+    whole = image[: height * reduction, : width * reduction].astype(np.float32)
+    return np.asarray(cv2.resize(whole, (width, height), interpolation=cv2.INTER_AREA), np.float32)
 
 
-def _blurred(grey: NDArray[np.float32]) -> NDArray[np.float32]:
-    return np.asarray(cv2.GaussianBlur(grey, (0, 0), _SMOOTHING_PX, borderType=cv2.BORDER_CONSTANT), np.float32)
+def _blurred(grey: Image | NDArray[np.float32]) -> NDArray[np.float32]:
+    blurred = cv2.sepFilter2D(grey, cv2.CV_32F, _KERNEL, _KERNEL, borderType=cv2.BORDER_CONSTANT)
+    return np.asarray(blurred, np.float32)

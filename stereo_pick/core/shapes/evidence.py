@@ -9,7 +9,7 @@ from stereo_pick.core.shapes.refinement import TUKEY, Fitted, bounded
 
 ARCS = 9  # independent pieces of an outline: light and shading move an edge along whole arcs, not point by point
 _ASSUMED = 10.0  # independent pieces that the assumed noise counts for, beside the residuals seen
-_LOOSEST = 0.1  # standard deviation of a centre, as a part of the solid's size
+_LOOSEST = 0.05  # standard deviation of a centre, as a part of the solid's size
 _LIMIT = 1.5  # noise half as large again as assumed, or a quarter of the outline quite somewhere else
 
 
@@ -53,9 +53,10 @@ def centre_covariance(found: Fitted, noise_px: float) -> Floats:
     parameters = found.jacobian.shape[2]
     squares = arcs * (weight * found.residual_px**2).sum(axis=1) / total
     variance = (squares + _ASSUMED * noise_px**2) / (np.maximum(arcs - parameters, 1) + _ASSUMED)
+    point_variance = (variance * total / arcs)[:, None, None]
     normal = (found.jacobian * weight[..., None]).transpose(0, 2, 1) @ found.jacobian
-    normal += 1e-9 * np.eye(parameters)
-    return np.asarray(np.linalg.inv(normal)[:, :3, :3] * (variance * total / arcs)[:, None, None])
+    known = point_variance * np.eye(parameters)  # nothing on a table is off by more than 1 m or 1 rad
+    return np.asarray(np.linalg.inv(normal + known)[:, :3, :3] * point_variance)
 
 
 def _arcs(found: Fitted) -> Floats:

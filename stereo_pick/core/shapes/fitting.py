@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from stereo_pick.core.arrays import Bools, Floats, Ints
+from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.evidence import centre_covariance, complaint, determined, explained, misfit_px
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE, Kind
+from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.outline import Outline
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
 from stereo_pick.core.shapes.residuals import own_tangents
@@ -19,9 +21,26 @@ from stereo_pick.core.shapes.starts import starts
 
 NOISE_PX = 0.1  # by which arcs of a sub-pixel outline are off
 _LEAST_TRUSTED = 12  # points in each view
-_BEGUN = {SPHERE: 1, CYLINDER: 20, BOX: 20}  # starts that a first look keeps
-_KEPT = 3
-_FIRST_ROUNDS, _LAST_ROUNDS = 4, 5
+_HIDDEN = 0.1  # share of an outline without which kinds are mistaken for each other
+
+
+class _Stage(NamedTuple):
+    """How many solids of each object are pursued, for how many rounds, by the outlines' normals or the solids'."""
+
+    kept: int
+    rounds: int
+    rough: bool
+
+
+_QUICK = (_Stage(5, 3, True), _Stage(2, 2, False), _Stage(1, 4, False))
+_THOROUGH = (_Stage(24, 2, True), _Stage(10, 4, True), _Stage(3, 2, False), _Stage(1, 4, False))
+_SEARCHES = (  # and how much, in units of the noise, the kinds before must have left unexplained to make it worthwhile
+    (SPHERE, _QUICK[-1:], 0.0),
+    (CYLINDER, _QUICK, 0.5),
+    (BOX, _QUICK, 1.0),
+    (CYLINDER, _THOROUGH, 1.0),
+    (BOX, _THOROUGH, 1.0),
+)
 
 Pair = tuple[Outline, Outline]
 
@@ -40,26 +59,28 @@ def fit_solids(
 
     table_normal: (3,), unit, in the rectified left frame: where given, a cylinder stands or lies on the table and a
     box stands on one of its faces. noise_px: by how much outlines are off; a richer kind must explain more than that
-    to be preferred, and the chosen one must leave no more than half as much again.
+    to be preferred, and the chosen one must leave no more than half as much again. None where no kind does, or where
+    the one that does could as well be of another size.
     """
     seen = np.array([i for i, pair in enumerate(pairs) if _can_be_fitted(pair)], np.int64)
     chosen: list[SolidFit | None] = [None] * len(pairs)
     if not len(seen):
         return chosen
     sight = Sight.of([pairs[i] for i in seen], rig)
-    least = np.full(len(seen), np.inf)
-    remaining = np.arange(len(seen))
-    for kind in (SPHERE, CYLINDER, BOX):
-        found = _best(sight.only(remaining), kind, table_normal, noise_px)
+    hidden = sight.inner.mean(axis=(1, 2)) > _HIDDEN
+    least, left = np.full(len(seen), np.inf), np.full(len(seen), np.inf)
+    for kind, stages, worthwhile in _SEARCHES:
+        remaining = np.flatnonzero(hidden | (left > worthwhile * noise_px))
+        if not len(remaining):
+            continue
+        found = _searched(sight.only(remaining), kind, table_normal, stages)
         misfit, cost = misfit_px(found, noise_px), complaint(found, noise_px)
         covariance = centre_covariance(found, noise_px)
-        better = explained(misfit, noise_px) & determined(found, covariance) & (cost < least[remaining])
-        for at in np.flatnonzero(better):
-            chosen[seen[remaining[at]]] = _result(found, int(at), float(misfit[at]), covariance[at])
-        least[remaining] = np.minimum(least[remaining], np.where(better, cost, np.inf))
-        remaining = remaining[~_settled(found, misfit, noise_px)]
-        if not len(remaining):
-            break
+        fixed = determined(found, covariance)
+        for at in np.flatnonzero(explained(misfit, noise_px) & (cost < least[remaining])):
+            i = remaining[at]
+            least[i], left[i] = cost[at], misfit[at]
+            chosen[seen[i]] = _result(found, int(at), float(misfit[at]), covariance[at]) if fixed[at] else None
     return chosen
 
 
@@ -67,28 +88,26 @@ def _can_be_fitted(pair: Pair) -> bool:
     return all((side.weight * (1 - side.corner)).sum() >= _LEAST_TRUSTED for side in pair)
 
 
-def _settled(found: Fitted, misfit: Floats, noise_px: float) -> Bools:
-    """Whether (S,) the outlines leave nothing that a richer kind could explain."""
-    return np.asarray(misfit < (0.5 if found.solids.kind is SPHERE else 1.0) * noise_px)
+def _searched(sight: Sight, kind: Kind, table_normal: Floats | None, stages: tuple[_Stage, ...]) -> Fitted:
+    """One solid of this kind for every object: many at first, of which ever fewer are pursued."""
+    sparse, fine = sight.coarse(), sight.without_corners()
+    objects, solids = starts(sparse, kind, table_normal, stages[0].kept)
+    now = fitted(sparse.only(objects), solids, own_tangents)
+    for stage in stages:
+        few = _fewest(now, objects, stage.kept)
+        objects, now = objects[few], now.only(few)
+        seen, touch = (sparse, own_tangents) if stage.rough else (fine, nearest_tangents)
+        seen = seen.only(objects)
+        now = refine(seen, fitted(seen, now.solids, touch), stage.rounds, touch)
+    return now
 
 
-def _best(sight: Sight, kind: Kind, table_normal: Floats | None, noise_px: float) -> Fitted:
-    """The best solid of one kind for every object."""
-    coarse, fine = sight.coarse(), sight.without_corners()
-    objects, solids = starts(coarse, kind, table_normal, _BEGUN[kind])
-    begun = coarse.only(objects)
-    first = refine(begun, fitted(begun, solids, own_tangents), _FIRST_ROUNDS, own_tangents)
-    few = _fewest(np.abs(first.residual_px * first.weight).sum(axis=1), objects, _KEPT)
-    kept = fine.only(objects[few])
-    last = refine(kept, fitted(kept, first.solids.only(few)), _LAST_ROUNDS)
-    return last.only(_fewest(misfit_px(last, noise_px), objects[few], 1))
-
-
-def _fewest(cost: Floats, objects: Ints, keep: int) -> Ints:
-    """The rows of the `keep` lowest costs of each object; every object has as many rows, one after the other."""
+def _fewest(found: Fitted, objects: Ints, keep: int) -> Ints:
+    """The rows of the `keep` best solids of each object; every object has as many rows, one after the other."""
+    misfit = np.abs(found.residual_px * found.weight).sum(axis=1)
     count = int(objects[-1]) + 1
     rows = len(objects) // count
-    best = np.argsort(cost.reshape(count, rows), axis=1)[:, :keep]
+    best = np.argsort(misfit.reshape(count, rows), axis=1)[:, :keep]
     return np.asarray((best + rows * np.arange(count)[:, None]).ravel())
 
 

@@ -19,6 +19,11 @@ BOX_CORNERS = np.stack(np.meshgrid(*[(-1.0, 1.0)] * 3), axis=-1).reshape(-1, 3)
 _TINY = 1e-12
 
 
+def dot(a: Floats, b: Floats) -> Floats:
+    """Scalar products over the last axis."""
+    return np.asarray(np.einsum("...i,...i->...", a, b))
+
+
 class Kind(ABC):
     """A family of convex solids, symmetric about their centre. Directions (S, N, 3) are in the solids' own axes."""
 
@@ -33,10 +38,6 @@ class Kind(ABC):
         return np.eye(self.sizes)[list(self.axes)]
 
     @abstractmethod
-    def reach(self, directions: Floats) -> Floats:
-        """How far (S, N, sizes) the solids reach in directions of any length, for each half size being 1."""
-
-    @abstractmethod
     def touch(self, directions: Floats, half_m: Floats) -> Floats:
         """The points (S, N, 3) [m] of the solids that lie furthest in each direction; half sizes (S, sizes) [m]."""
 
@@ -48,28 +49,32 @@ class Round(Kind):
     def horizon(self, eyes_m: Floats, half_m: Floats, count: int) -> Floats:
         """Points (S, E, count, 3) [m] around what eyes (S, E, 3) see of the solids, in order; count is even."""
 
+    @abstractmethod
+    def onto(self, points: Floats, half_m: Floats) -> Floats:
+        """Points (S, N, 3) [m] moved to the curved surface."""
+
 
 class Sphere(Round):
     """Half size: the radius."""
 
     name, sizes, turns, axes = "sphere", 1, (), (0, 0, 0)
 
-    def reach(self, directions: Floats) -> Floats:
-        """The same in every direction."""
-        return np.asarray(np.sqrt((directions * directions).sum(axis=2, keepdims=True)))
-
     def touch(self, directions: Floats, half_m: Floats) -> Floats:
         """Straight from the centre."""
-        return directions * (half_m[:, None] / (self.reach(directions) + _TINY))
+        return self.onto(directions, half_m)
+
+    def onto(self, points: Floats, half_m: Floats) -> Floats:
+        """Along the radius."""
+        return points * (half_m / (np.sqrt(dot(points, points)) + _TINY))[..., None]
 
     def horizon(self, eyes_m: Floats, half_m: Floats, count: int) -> Floats:
         """A circle, the nearer the smaller."""
-        distance = np.sqrt((eyes_m * eyes_m).sum(axis=2, keepdims=True))
+        distance = np.sqrt(dot(eyes_m, eyes_m))[..., None]
         ahead = eyes_m / distance
         radius = half_m[:, None]
         sine = np.minimum(radius / distance, 0.99)
         side = np.cross(ahead, np.eye(3)[np.abs(ahead).argmin(axis=2)])
-        side *= (radius * np.sqrt(1 - sine * sine)) / np.sqrt((side * side).sum(axis=2, keepdims=True))
+        side *= (radius * np.sqrt(1 - sine * sine)) / np.sqrt(dot(side, side))[..., None]
         angle = np.linspace(0, 2 * np.pi, count, endpoint=False)[:, None]
         ring = np.cos(angle) * side[:, :, None] + np.sin(angle) * np.cross(ahead, side)[:, :, None]
         return np.asarray(ring + (radius * sine * ahead)[:, :, None])
@@ -80,16 +85,15 @@ class Cylinder(Round):
 
     name, sizes, turns, axes = "cylinder", 2, (0, 1), (0, 0, 1)
 
-    def reach(self, directions: Floats) -> Floats:
-        """Across and along the axis."""
-        x, y, z = directions[..., 0], directions[..., 1], directions[..., 2]
-        return np.stack([np.sqrt(x * x + y * y), np.abs(z)], axis=2)
-
     def touch(self, directions: Floats, half_m: Floats) -> Floats:
         """On the rim of one of the two ends."""
         x, y, z = directions[..., 0], directions[..., 1], directions[..., 2]
-        stretch = half_m[:, :1] / (np.sqrt(x * x + y * y) + _TINY)
-        return np.stack([x * stretch, y * stretch, np.copysign(half_m[:, 1:], z)], axis=2)
+        return self.onto(np.stack([x, y, np.copysign(half_m[:, 1:], z)], axis=2), half_m)
+
+    def onto(self, points: Floats, half_m: Floats) -> Floats:
+        """Along the radius."""
+        stretch = half_m[:, :1] / (np.sqrt(dot(points[..., :2], points[..., :2])) + _TINY)
+        return points * np.stack([stretch, stretch, np.ones_like(stretch)], axis=2)
 
     def horizon(self, eyes_m: Floats, half_m: Floats, count: int) -> Floats:
         """An arc of each rim: the one away from the eye where it sees that end's face, else the one towards it.
@@ -115,10 +119,6 @@ class Box(Kind):
     """Half sizes: along its three axes."""
 
     name, sizes, turns, axes = "box", 3, (0, 1, 2), (0, 1, 2)
-
-    def reach(self, directions: Floats) -> Floats:
-        """Along each axis."""
-        return np.abs(directions)
 
     def touch(self, directions: Floats, half_m: Floats) -> Floats:
         """A corner."""

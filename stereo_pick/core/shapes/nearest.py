@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints
-from stereo_pick.core.shapes.kinds import BOX, BOX_CORNERS, SPHERE, Round
+from stereo_pick.core.shapes.kinds import BOX_CORNERS, SPHERE, Round, dot
 from stereo_pick.core.shapes.residuals import Tangents
-from stereo_pick.core.shapes.sight import Sight, Solids, tangent_planes
+from stereo_pick.core.shapes.sight import Sight, Solids
 
 _SIDES = 24
 _LEAST_SIDE = 1e-6  # [m at 1 m]
@@ -27,75 +27,70 @@ def nearest_tangents(sight: Sight, solids: Solids) -> Tangents:
     """The tangents of the solids' silhouettes next to the points of their outlines."""
     if solids.kind is SPHERE:
         return _of_cones(sight, solids)
-    if solids.kind is BOX:
-        return _of_edges(sight, solids)
-    return _of_curves(sight, solids)
+    if isinstance(solids.kind, Round):
+        return _of_curves(sight, solids, solids.kind)
+    return _of_edges(sight, solids)
 
 
 def _of_cones(sight: Sight, solids: Solids) -> Tangents:
-    """Of spheres: the tangent plane of the cone of rays around each, opposite the point's ray."""
-    to_centre = (solids.centre_m[:, None] - sight.eyes_m)[:, :, None]
-    distance = np.sqrt((to_centre * to_centre).sum(axis=3, keepdims=True))
+    """Of spheres: the tangent plane of the cone of rays around each, next to the point's ray."""
+    to_centre = solids.seen_from(sight.eyes_m)
+    distance = np.sqrt(dot(to_centre, to_centre))[..., None]
     ahead = to_centre / distance
     rays = np.concatenate([sight.points, np.ones((*sight.points.shape[:3], 1))], axis=3)
-    across = rays - (rays * ahead).sum(axis=3, keepdims=True) * ahead
-    across /= np.sqrt((across * across).sum(axis=3, keepdims=True)) + _TINY
+    across = _unit(rays - dot(rays, ahead)[..., None] * ahead)
     sine = np.minimum(solids.half_m[:, None, None] / distance, 0.99)
     planes = across * np.sqrt(1 - sine * sine) - ahead * sine
-    return Tangents(_unit(planes[..., :2]), solids.kind.touch(planes.reshape(len(planes), -1, 3), solids.half_m))
+    touched = solids.kind.touch(planes.reshape(len(planes), -1, 3) @ solids.rotation, solids.half_m)
+    return Tangents(_unit(planes[..., :2]), touched)
 
 
 def _of_edges(sight: Sight, solids: Solids) -> Tangents:
     """Of boxes: among the tangents along their twelve edges, the one that the point is furthest outside of."""
     corners = solids.half_m[:, None] * BOX_CORNERS
-    placed = corners @ solids.rotation.transpose(0, 2, 1) + solids.centre_m[:, None]
-    seen = placed[:, None] - sight.eyes_m[:, None]
+    seen = (corners @ solids.rotation.transpose(0, 2, 1))[:, None] + solids.seen_from(sight.eyes_m)
     image = seen[..., :2] / seen[..., 2:]
     along = image[:, :, _EDGES[0]] - image[:, :, _EDGES[1]]
-    across = _unit(np.stack([along[..., 1], -along[..., 0]], axis=3))
+    across = _unit(_outward(along))
     outward = np.concatenate([across, -across], axis=2)
     reach = (outward @ image.transpose(0, 1, 3, 2)).max(axis=3)
     side = (sight.points @ outward.transpose(0, 1, 3, 2) - reach[:, :, None]).argmax(axis=3)
     row, view = _rows(side)
     edge = side % _EDGES.shape[1]
     behind, ahead = _EDGES[1][edge], _EDGES[0][edge]
-    side_px, place_px = along[row, view, edge], sight.points - image[row, view, behind]
-    share = np.clip((place_px * side_px).sum(axis=3) / ((side_px * side_px).sum(axis=3) + _TINY), 0, 1)[..., None]
+    share = _share(sight.points - image[row, view, behind], along[row, view, edge])
     touched = corners[row, behind] * (1 - share) + corners[row, ahead] * share
     return Tangents(outward[row, view, side], touched.reshape(len(side), -1, 3))
 
 
-def _of_curves(sight: Sight, solids: Solids) -> Tangents:
-    """Of solids with any silhouette: a side of its inscribed polygon, bent like the silhouette over that side."""
-    kind = solids.kind
-    assert isinstance(kind, Round)
+def _of_curves(sight: Sight, solids: Solids, kind: Round) -> Tangents:
+    """Of solids without corners: a side of the polygon through points of the silhouette, and a point above the side."""
     start = solids.seen_from(sight.eyes_m)
-    touched = kind.horizon(-start[:, :, 0] @ solids.rotation, solids.half_m, _SIDES)
-    seen = (touched.reshape(len(touched), -1, 3) @ solids.rotation.transpose(0, 2, 1)).reshape(touched.shape) + start
+    horizon = kind.horizon(-start[:, :, 0] @ solids.rotation, solids.half_m, _SIDES)
+    placed = horizon.reshape(len(horizon), -1, 3) @ solids.rotation.transpose(0, 2, 1)
+    seen = placed.reshape(horizon.shape) + start
     corners = seen[..., :2] / seen[..., 2:]
     ahead = np.roll(corners, -1, axis=2) - corners
-    length = np.sqrt((ahead * ahead).sum(axis=3))
-    sides = length > _LEAST_SIDE
-    tangent = ahead / np.where(sides, length, 1.0)[..., None]
-    outward = np.stack([tangent[..., 1], -tangent[..., 0]], axis=3)
-    outward *= np.sign((outward * (corners - corners.mean(axis=2, keepdims=True))).sum(axis=(2, 3)))[..., None, None]
-    reach = np.where(sides, (outward * corners).sum(axis=3), np.inf)
-    bulge = _bulge(solids, sight, corners + ahead / 2, outward)
+    length = np.sqrt(dot(ahead, ahead))
+    outward = _outward(ahead) / (length + _TINY)[..., None]
+    outward *= np.sign(dot(outward, corners - corners.mean(axis=2, keepdims=True)).sum(axis=2))[..., None, None]
+    reach = np.where(length > _LEAST_SIDE, dot(outward, corners), np.inf)
     side = (sight.points @ outward.transpose(0, 1, 3, 2) - reach[:, :, None]).argmax(axis=3)
     row, view = _rows(side)
-    beside, after = (row, view, side), (row, view, (side + 1) % corners.shape[2])
-    tangent, outward, length = tangent[beside], outward[beside], length[beside]
-    place = np.clip(2 * ((sight.points - corners[beside]) * tangent).sum(axis=3) / length - 1, -1, 1)
-    share = (1 + place[..., None]) / 2
-    between = touched[beside] * (1 - share) + touched[after] * share
-    normals = _unit(outward + (4 * bulge[beside] * place / length)[..., None] * tangent)
-    return Tangents(normals, between.reshape(len(side), -1, 3))
+    share = _share(sight.points - corners[row, view, side], ahead[row, view, side])
+    touched = horizon[row, view, side] * (1 - share) + horizon[row, view, (side + 1) % _SIDES] * share
+    return Tangents(outward[row, view, side], kind.onto(touched.reshape(len(side), -1, 3), solids.half_m))
 
 
-def _bulge(solids: Solids, sight: Sight, middle: Floats, outward: Floats) -> Floats:
-    """By how much (S, 2, K) the silhouette lies outside the middles of its polygon's sides; 0 where it is straight."""
-    seen = solids.touched(tangent_planes(middle, outward)) + solids.seen_from(sight.eyes_m)
-    return np.asarray((outward * (seen[..., :2] / seen[..., 2:] - middle)).sum(axis=3))
+def _share(from_start: Floats, side: Floats) -> Floats:
+    """How far along its side (..., 2) each point lies: (..., 1), 0 at the start, 1 at the end."""
+    share = dot(from_start, side) / (dot(side, side) + _TINY)
+    return np.asarray(np.clip(share, 0, 1)[..., None])
+
+
+def _outward(ahead: Floats) -> Floats:
+    """Perpendicular to directions (..., 2), to their left seen from in front of the image."""
+    return np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
 
 
 def _rows(side: Ints) -> tuple[Ints, Ints]:
@@ -104,4 +99,4 @@ def _rows(side: Ints) -> tuple[Ints, Ints]:
 
 
 def _unit(vectors: Floats) -> Floats:
-    return np.asarray(vectors / (np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True)) + _TINY))
+    return np.asarray(vectors / (np.sqrt(dot(vectors, vectors)) + _TINY)[..., None])

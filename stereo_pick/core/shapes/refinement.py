@@ -17,12 +17,14 @@ Touch = Callable[[Sight, Solids], Tangents]
 TUKEY = 4.685  # in sigmas: 95 % efficient on normal noise
 _LEAST_SCALE_PX = 0.05
 _LEAST_HALF = 0.02  # of the object's radius
-_CONVERGED_PX = 0.002
+_CONVERGED_PX = 0.01  # the step is taken, and the next one would be far smaller
 
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """Solids and their residuals (S, 2N) [px], Jacobians (S, 2N, 3 + Q + sizes) and trusted points (S, 2N)."""
+    """Solids and their residuals (S, 2N) [px], Jacobians (S, 2N, 3 + Q + sizes), and weights (S, 2N).
+
+    A point at which something else ends the object has weight where the solid does not even reach it."""
 
     solids: Solids
     residual_px: Floats
@@ -35,14 +37,16 @@ class Fitted:
 
     def scale_px(self) -> Floats:
         """Robust standard deviation (S,) [px] of the trusted residuals."""
-        trusted = np.where(self.weight > 0, np.abs(self.residual_px), np.nan)
-        return np.asarray(1.4826 * np.nanmedian(trusted, axis=1))
+        ordered = np.sort(np.where(self.weight > 0, np.abs(self.residual_px), np.inf), axis=1)
+        middle = np.count_nonzero(self.weight, axis=1) // 2
+        return np.asarray(1.4826 * ordered[np.arange(len(middle)), middle])
 
 
 def fitted(sight: Sight, solids: Solids, touch: Touch = nearest_tangents) -> Fitted:
     """The solids as they are, measured across these tangents; sight holds one object for each."""
     residual, jacobian = residuals(sight, solids, touch(sight, solids))
-    return Fitted(solids, residual, jacobian, sight.weight.reshape(residual.shape))
+    short = np.where(residual < 0, sight.inner.reshape(residual.shape), 0.0)
+    return Fitted(solids, residual, jacobian, sight.weight.reshape(residual.shape) + short)
 
 
 def refine(sight: Sight, now: Fitted, rounds: int, touch: Touch = nearest_tangents) -> Fitted:
@@ -111,5 +115,5 @@ def _where(better: Bools, tried: Fitted, now: Fitted) -> Fitted:
         solids,
         np.where(one, tried.residual_px, now.residual_px),
         np.where(three, tried.jacobian, now.jacobian),
-        now.weight,
+        np.where(one, tried.weight, now.weight),
     )

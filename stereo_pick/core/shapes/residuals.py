@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.kinds import dot
 from stereo_pick.core.shapes.sight import Sight, Solids, tangent_planes
 
 
@@ -33,13 +34,22 @@ def residuals(sight: Sight, solids: Solids, tangents: Tangents) -> tuple[Floats,
     object for each solid. To first order the distance is that of the touching plane, at the object's depth. A tangent
     that touches along a whole side is moved by what lies next to the point, not by the side's end.
     """
-    planes = tangent_planes(sight.points, tangents.normals)
-    to_centre = solids.centre_m[:, None] - sight.eyes_m
-    past_centre = np.einsum("svnk,svk->svn", planes, to_centre).reshape(len(planes), -1)
-    flat = planes.reshape(len(planes), -1, 3)
-    own = flat @ solids.rotation
+    views = tangent_planes(sight.points, tangents.normals)
+    past_centre = dot(views, solids.seen_from(sight.eyes_m)).reshape(len(views), -1)
+    planes = views.reshape(len(views), -1, 3)
+    own = planes @ solids.rotation
     scale = (sight.focal_px / solids.centre_m[:, 2])[:, None]
-    residual = scale * (past_centre + (solids.kind.reach(own) @ solids.half_m[..., None])[..., 0])
-    turning = np.cross(tangents.touched, own) @ solids.turns
-    growing = (tangents.touched * own) @ solids.kind.shares / solids.half_m[:, None]
-    return residual, scale[..., None] * np.concatenate([flat, turning, growing], axis=2)
+    grown = tangents.touched * own
+    residual = scale * (past_centre + grown.sum(axis=2))
+    growing = grown @ solids.kind.shares / solids.half_m[:, None]
+    if not solids.turns.shape[2]:
+        return residual, scale[..., None] * np.concatenate([planes, growing], axis=2)
+    turning = _cross(tangents.touched, own) @ solids.turns
+    return residual, scale[..., None] * np.concatenate([planes, turning, growing], axis=2)
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """What np.cross gives for vectors (S, N, 3), several times as fast."""
+    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
+    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=2)

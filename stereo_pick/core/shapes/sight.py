@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.kinds import Kind
+from stereo_pick.core.shapes.kinds import Kind, dot
 from stereo_pick.core.shapes.outline import Outline
 
 
@@ -18,14 +19,16 @@ from stereo_pick.core.shapes.outline import Outline
 class Sight:
     """O objects seen in two views by N points each; the first axis is the object's, the second the view's.
 
-    points, normals: (O, 2, N, 2), normalized coordinates of the rectified views; weight, smooth: (O, 2, N), 0 where
-    a point is not the object's edge or lies at a corner; eyes: (2, 3) [m],
-    the cameras' places in the rectified left frame; focal_px; centre_m (O, 3) and radius_m (O,): roughly.
+    points, normals: (O, 2, N, 2), normalized coordinates of the rectified views; weight: (O, 2, N), of the points that
+    are the object's edge; inner: (O, 2, N), 1 where something else ends what is seen of the object, so that it reaches
+    at least there; smooth: (O, 2, N), 0 at corners; eyes_m: (2, 3), the cameras' places in the rectified left frame;
+    focal_px; centre_m (O, 3) and radius_m (O,): roughly.
     """
 
     points: Floats
     normals: Floats
     weight: Floats
+    inner: Floats
     smooth: Floats
     eyes_m: Floats
     focal_px: float
@@ -46,27 +49,30 @@ class Sight:
         x, y = middle[:, 0, 0] * depth, middle[..., 1].mean(axis=1) * depth
         radius = half.mean(axis=(1, 2)) * depth
         eyes = np.array([[0.0, 0.0, 0.0], [rig.baseline_m, 0.0, 0.0]])
-        return Sight(points, normals, weight, smooth, eyes, rig.focal_px, np.stack([x, y, depth], axis=1), radius)
+        centre = np.stack([x, y, depth], axis=1)
+        return Sight(points, normals, weight, 1 - weight, smooth, eyes, rig.focal_px, centre, radius)
 
     def only(self, objects: Ints) -> Sight:
         """The same of these objects alone."""
-        return Sight(
-            self.points[objects], self.normals[objects], self.weight[objects], self.smooth[objects],
-            self.eyes_m, self.focal_px,
-            self.centre_m[objects], self.radius_m[objects],
-        )  # fmt: skip
+        return replace(self._of(objects), centre_m=self.centre_m[objects], radius_m=self.radius_m[objects])
 
     def coarse(self) -> Sight:
         """Every second point, for a first look."""
-        every = np.s_[:, :, ::2]
-        return Sight(
-            self.points[every], self.normals[every], self.weight[every], self.smooth[every],
-            self.eyes_m, self.focal_px, self.centre_m, self.radius_m,
-        )  # fmt: skip
+        return self._of(np.s_[:, :, ::2])
 
     def without_corners(self) -> Sight:
-        """The same with corners given no weight, where enough is left."""
+        """The same with corners given no weight."""
         return replace(self, weight=self.weight * self.smooth)
+
+    def _of(self, which: Any) -> Sight:
+        return replace(
+            self,
+            points=self.points[which],
+            normals=self.normals[which],
+            weight=self.weight[which],
+            inner=self.inner[which],
+            smooth=self.smooth[which],
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,17 +101,10 @@ class Solids:
         """The centres (S, E, 1, 3) [m] as seen from eyes (E, 3)."""
         return np.asarray((self.centre_m[:, None] - eyes_m)[:, :, None])
 
-    def touched(self, planes: Floats) -> Floats:
-        """The solids' points (S, E, N, 3) [m], relative to their centres, that lie furthest in such directions."""
-        flat = planes.reshape(len(planes), -1, 3)
-        touched = self.kind.touch(flat @ self.rotation, self.half_m) @ self.rotation.transpose(0, 2, 1)
-        return np.asarray(touched.reshape(planes.shape))
-
 
 def tangent_planes(points: Floats, normals: Floats) -> Floats:
     """Normals (..., 3) of the planes through the camera and the lines through image points (..., 2)."""
-    offset = (points * normals).sum(axis=-1, keepdims=True)
-    return np.concatenate([normals, -offset], axis=-1)
+    return np.concatenate([normals, -dot(points, normals)[..., None]], axis=-1)
 
 
 def _normalized(points_px: Floats, camera: Camera) -> Floats:

@@ -23,7 +23,8 @@ class SolidFit:
 
     kind: a name of `kinds.KINDS`; centre_m: (3,); rotation: (3, 3), its columns are the solid's axes, a cylinder's own
     the third; size_m: (3,), along these axes; residual_px: robust root mean square distance of the outlines from its
-    silhouettes; covariance: (3, 3) [m²], of the centre.
+    silhouettes; covariance: (3, 3) [m²], of the centre, and about that of the triangulated solid-angle centroids
+    moved by `perspective_shift_px`.
     """
 
     kind: str
@@ -48,8 +49,8 @@ class SolidFit:
 
     def reach_m(self, direction: Floats) -> float:
         """How far the solid reaches from its centre in a direction (3,), a unit vector of the rectified left frame."""
-        own = np.reshape(direction @ self.rotation, (1, 1, 3))
-        return float((self.solid.kind.reach(own) @ self.solid.half_m[0])[0, 0])
+        solid, own = self.solid, direction @ self.rotation
+        return float(solid.kind.touch(own[None, None], solid.half_m)[0, 0] @ own)
 
     def centre_px(self, camera: Camera) -> Floats:
         """Where the centre (2,) [px] appears in a rectified camera."""

@@ -79,7 +79,7 @@ def test_noise_moves_centres_without_bias_and_leaves_the_kind(kind: str) -> None
     assert (np.abs(middle) < 3 * spread + 2e-5).all()
 
 
-def hidden(part: Part, direction: Sequence[float], percent: float) -> list[Outline]:
+def hidden(part: Part, direction: Sequence[float], percent: float) -> tuple[Outline, Outline]:
     """Outlines of a part of which the share that lies furthest in a direction is cut off along a straight line."""
     pair = []
     for contour in contours_px(part, RIG):
@@ -87,18 +87,22 @@ def hidden(part: Part, direction: Sequence[float], percent: float) -> list[Outli
         limit = np.percentile(along, percent)
         cut = contour - np.maximum(along - limit, 0)[:, None] * direction
         pair.append(Outline.from_contour(cut, along < limit))
-    return pair
+    return pair[0], pair[1]
 
 
-@pytest.mark.parametrize("kind", ["sphere", "cylinder"])
-def test_a_third_of_the_outline_may_be_hidden(kind: str) -> None:
-    for seed in range(6):
-        part = any_part(kind, RIG, np.random.default_rng(seed))
-        fit = fit_solid(*hidden(part, (0.6, 0.8), 70), RIG)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("percent", [70, 85])
+def test_a_part_of_the_outline_may_be_hidden(kind: str, percent: int) -> None:
+    parts = [any_part(kind, RIG, np.random.default_rng(seed)) for seed in range(20)]
+    fits = fit_solids([hidden(part, (0.6, 0.8), percent) for part in parts], RIG)
+    assert sum(fit is not None for fit in fits) >= (8 if kind == "box" and percent == 70 else 18)
+    outside = 0
+    for part, fit in zip(parts, fits):
         if fit is not None:
+            off = fit.centre_m - part.centre_m
             assert fit.kind == kind
-            np.testing.assert_allclose(fit.centre_m, part.centre_m, atol=2e-4)
-    assert fit is not None
+            outside += bool(off @ np.linalg.solve(fit.covariance, off) > 7.8)
+    assert outside <= len(parts) / 10  # a cut across a long part can look like its end
 
 
 def test_a_box_whose_end_is_hidden_has_no_centre() -> None:
@@ -133,17 +137,17 @@ def test_a_part_with_a_notch_is_explained_by_no_solid() -> None:
 
 def test_covariances_follow_chi_square() -> None:
     rng = np.random.default_rng(21)
-    distances = []
-    for kind in ("sphere", "cylinder"):
+    fitted, combined = [], []
+    for kind in KINDS:
         parts = [any_part(kind, RIG, rng) for _ in range(80)]
-        pairs = []
-        for part in parts:
-            left, right = (Outline.from_contour(disturbed(c, 0.1, rng)) for c in contours_px(part, RIG))
-            pairs.append((left, right))
-        for part, fit in zip(parts, fit_solids(pairs, RIG)):
+        noisy = [[disturbed(contour, 0.1, rng) for contour in contours_px(part, RIG)] for part in parts]
+        pairs = [(Outline.from_contour(left), Outline.from_contour(right)) for left, right in noisy]
+        for part, fit, contours in zip(parts, fit_solids(pairs, RIG), noisy):
             if fit is not None and fit.kind == kind:
-                off = fit.centre_m - part.centre_m
-                distances.append(off @ np.linalg.solve(fit.covariance, off))
-    assert len(distances) > 150
-    assert 1.6 < np.median(distances) < 3.4  # 2.37
-    assert 6 < np.percentile(distances, 95) < 10  # 7.81
+                for point, distances in ((fit.centre_m, fitted), (combined_m(fit, *contours, RIG), combined)):
+                    off = point - part.centre_m
+                    distances.append(off @ np.linalg.solve(fit.covariance, off))
+    assert len(fitted) > 225
+    for distances in (fitted, combined):
+        assert 1.6 < np.median(distances) < 3.4  # 2.37
+        assert 6 < np.percentile(distances, 95) < 10  # 7.81
