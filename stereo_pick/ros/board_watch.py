@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -33,6 +34,10 @@ class Progress:
     error: str = ""
 
 
+class _Closed(BaseException):
+    """Ends the thread of a watch that is closed."""
+
+
 class BoardWatch:
     """Takes pairs one after the other; of more than `max_waiting` that wait, the newest are counted and left out.
 
@@ -47,8 +52,8 @@ class BoardWatch:
         self._max_waiting = max_waiting
         self._tasks: deque[Callable[[], None]] = deque()
         self._changed = threading.Condition()
-        self._closed = False
-        threading.Thread(target=self._work, name="board watch", daemon=True).start()
+        self._thread = threading.Thread(target=self._work, name="board watch", daemon=True)
+        self._thread.start()
 
     @property
     def waiting(self) -> int:
@@ -69,10 +74,14 @@ class BoardWatch:
         return future
 
     def close(self) -> None:
-        """Let the thread end after what it is doing."""
+        """End the thread, whatever it is doing: one that outlives the interpreter would crash the process."""
+        if not self._thread.is_alive():
+            return
+        # Reaches it between two calls of OpenCV: a calibration takes up to a minute, but each of its calls seconds.
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self._thread.ident or 0), ctypes.py_object(_Closed))
         with self._changed:
-            self._closed = True
             self._changed.notify()
+        self._thread.join()
 
     def _put(self, task: Callable[[], None]) -> None:
         with self._changed:
@@ -81,15 +90,17 @@ class BoardWatch:
 
     def _work(self) -> None:
         try:
-            while (task := self._next()) is not None:
-                task()
+            while True:
+                self._next()()
+        except _Closed:
+            return
         except BaseException as error:
             self.failure = error
 
-    def _next(self) -> Callable[[], None] | None:
+    def _next(self) -> Callable[[], None]:
         with self._changed:
-            self._changed.wait_for(lambda: self._tasks or self._closed)
-            return None if self._closed else self._tasks.popleft()
+            self._changed.wait_for(lambda: self._tasks)
+            return self._tasks.popleft()
 
     def _look(self, read: Callable[[], BoardImages]) -> None:
         error, pair, seen = "", None, None

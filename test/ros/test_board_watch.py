@@ -78,6 +78,26 @@ def test_errors_are_told_and_end_nothing(pairs: Pairs) -> None:
     watch.close()
 
 
+def test_closing_breaks_off_a_calibration(pairs: Pairs) -> None:
+    watch, begun, broken_off = BoardWatch(BOARD, max_waiting=10), threading.Event(), threading.Event()
+
+    def endless(_: object) -> None:
+        begun.set()
+        try:
+            while True:
+                time.sleep(0.001)
+        finally:
+            broken_off.set()
+
+    watch.offer(reader(0, pairs[0]))
+    future = watch.calibrate(endless)  # type: ignore[arg-type]
+    assert begun.wait(60)
+    watch.close()
+    assert broken_off.is_set()
+    assert not future.done()
+    assert watch.failure is None
+
+
 def test_a_fault_of_the_program_itself_is_not_swallowed() -> None:
     watch = BoardWatch(BOARD, max_waiting=10)
     watch.offer(lambda: 1 / 0)  # type: ignore[arg-type,return-value]

@@ -157,3 +157,16 @@ def test_images_of_another_size_are_named_and_left_out(system: System, tmp_path:
     smaller = tuple(cv2.resize(picture, (160, 120)) for picture in pairs[1])
     replay(system, write_bag(tmp_path / "bag", [*pairs[1:4], smaller]), rate=4.0)
     system.graph.wait_for_status("calibration", ERROR, "left at 0.60 s is 160 x 120, but left at 0.00 s is 320 x 240")
+
+
+def test_a_signal_ends_the_node_while_it_calibrates(system: System, tmp_path: Path, pairs: Pairs) -> None:
+    node = start(system, tmp_path / "live")
+    replay(system, write_bag(tmp_path / "bag", pairs), rate=10.0)
+    system.graph.wait(lambda: value(system, "looked_at") == str(len(pairs)), "all pairs looked at")
+    client = system.graph.node.create_client(Trigger, "calibration/finish")
+    system.graph.wait(client.service_is_ready, "service")
+    client.call_async(Trigger.Request())
+    system.graph.forget_statuses()
+    system.graph.wait(lambda: system.graph.diagnostics, "the node goes on while it calibrates")
+    assert node.end()[0] == 0
+    assert not (tmp_path / "live").exists()
