@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.left_over import left_over
+from stereo_pick.core.correspondence.located import BlobPair, Located, locate
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
+from stereo_pick.core.objects.splitting import split
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 
 Pairs = list[tuple[int, int]]
 
-_EDGE_SIGMA_PX = 0.8
-_INDEPENDENT_ARCS = 8  # shading moves an edge along whole arcs of the outline, not point by point
+Row = tuple[BlobPair, Located]
+
+_PLAIN_SIGMA_PX = 0.3  # of a centroid of whole pixels: shading moves its edges along whole arcs
+_FLAT = 0.15  # thickness by length
 
 
 @dataclass(frozen=True)
@@ -46,6 +52,12 @@ class Feature(Method):
     max_area_ratio: float = parameter(
         1.5, "By what factor an object's areas in the two views may differ.", low=1.0, high=10.0
     )
+    max_concavity: float = parameter(
+        0.15,
+        "Depth of the deepest notch in an outline, as a part of its width, from which it is taken for touching parts.",
+        low=0.01,
+        high=10.0,
+    )
     ambiguity_margin: float = parameter(
         0.25,
         "How much better (0 the same, 1 from perfect to barely possible) a match must be than what is left over.",
@@ -54,18 +66,68 @@ class Feature(Method):
     )
 
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
-        """Return centroids of matched objects, left to right in the left view."""
-        left, right = blobs.sound()
+        """Return the centres of matched objects, left to right in the left view."""
         if self.assignment == "area":
-            pairs, doubtful = least_area_difference(left, right), set()
-        else:
-            cost = self.similarity(pair.rig).costs(left, right)
-            pairs = uncrossed(assign(cost, unmatched_cost=1.0), cost, left, right)
-            doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin)
-        kept = [_match(left[i], right[j]) for i, j in pairs if (i, j) not in doubtful]
-        refused = [Refusal("ambiguous", left[i].centroid_px, right[j].centroid_px) for i, j in sorted(doubtful)]
-        paired = [left[i] for i, _ in pairs] + [right[j] for _, j in pairs]
-        return collect(kept, [*refused, *left_over(blobs, paired, self.similarity(pair.rig))])
+            left, right = blobs.sound()
+            matched = [(left[i], right[j]) for i, j in least_area_difference(left, right)]
+            return self._collected(pair, blobs, matched, [])
+        matched, doubtful = self._paired(pair.rig, blobs.left, blobs.right)
+        return self._collected(pair, blobs, matched, doubtful)
+
+    def _paired(
+        self, rig: StereoRig, left: Sequence[Blob], right: Sequence[Blob]
+    ) -> tuple[list[BlobPair], list[BlobPair]]:
+        """The pairs of objects that belong together, and those that might as well be paired otherwise."""
+        one, other = _located_blobs(left), _located_blobs(right)
+        cost = self.similarity(rig).costs(one, other)
+        pairs = uncrossed(assign(cost, unmatched_cost=1.0), cost, one, other)
+        doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin)
+        sure = [(one[i], other[j]) for i, j in pairs if (i, j) not in doubtful]
+        return sure, [(one[i], other[j]) for i, j in sorted(doubtful)]
+
+    def _collected(
+        self, pair: RectifiedPair, blobs: Blobs, matched: list[BlobPair], doubtful: list[BlobPair]
+    ) -> Correspondences:
+        located = list(zip(matched, self._located(pair, matched)))
+        kept = [(each, where) for each, where in located if not where.reason]
+        lost = [(each, where) for each, where in located if where.reason]
+        known = [blob for each, _ in kept for blob in each] + [blob for each in doubtful for blob in each]
+        parts, lost = self._apart(pair, blobs, known, lost)
+        kept += parts
+        refused = [Refusal(where.reason, where.left_px, where.right_px) for _, where in lost]
+        refused += [Refusal("ambiguous", left.centroid_px, right.centroid_px) for left, right in doubtful]
+        known += [blob for each, _ in lost + kept for blob in each]
+        known += [blob for blob in (*blobs.left, *blobs.right) if any(_holds(blob, each) for each, _ in parts)]
+        kept.sort(key=lambda row: float(row[1].left_px[0]))
+        matches = [_match(left, where) for (left, _), where in kept]
+        return collect(matches, [*refused, *left_over(blobs, known, self.similarity(pair.rig))])
+
+    def _located(self, pair: RectifiedPair, matched: list[BlobPair]) -> list[Located]:
+        if all(len(blob.sharpness) for each in matched for blob in each):
+            return locate(pair, matched, self.max_concavity)
+        return [Located(left.centroid_px, right.centroid_px, _PLAIN_SIGMA_PX, None) for left, right in matched]
+
+    def _apart(
+        self, pair: RectifiedPair, blobs: Blobs, known: list[Blob], lost: list[Row]
+    ) -> tuple[list[Row], list[Row]]:
+        """Touching parts taken apart in both views and paired anew: those located, and the pairs still lost."""
+        left, right = (
+            [part for blob in side if not _among(blob, known) for part in self._split(blob)]
+            for side in (blobs.left, blobs.right)
+        )
+        if len(left) + len(right) == len([b for b in (*blobs.left, *blobs.right) if not _among(b, known)]):
+            return [], lost
+        matched, _ = self._paired(pair.rig, left, right)
+        matched = [each for each in matched if any(_among(blob, left + right) for blob in each)]
+        rows = [(each, where) for each, where in zip(matched, self._located(pair, matched)) if not where.reason]
+        found = [each for each in rows if _is_whole(each[1])]
+        still = [row for row in lost if not any(_holds(blob, each) for blob in row[0] for each, _ in found)]
+        return found, still
+
+    def _split(self, blob: Blob) -> list[Blob]:
+        if blob.fault == "merged":
+            return split(replace(blob, fault=""), self.max_concavity)
+        return [] if blob.fault else [blob]
 
     def similarity(self, rig: StereoRig) -> Similarity:
         """By how much an object may differ between the views of this rig."""
@@ -82,7 +144,35 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
     return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
 
 
-def _match(left: Blob, right: Blob) -> Match:
-    sigma_px = _EDGE_SIGMA_PX / np.sqrt(_INDEPENDENT_ARCS)
+def _match(left: Blob, where: Located) -> Match:
     length, width, direction = left.rectangle
-    return Match(left.centroid_px, right.centroid_px, (sigma_px, sigma_px), (length, width), direction)
+    sigma = where.sigma_px, where.sigma_px
+    return Match(where.left_px, where.right_px, sigma, (length, width), direction, where.extent)
+
+
+def _located_blobs(blobs: Sequence[Blob]) -> list[Blob]:
+    """Those whose place can be known: touching or half-lit parts too, as far as a solid explains them."""
+    return [blob for blob in blobs if blob.fault in ("", "merged")]
+
+
+def _among(blob: Blob, others: Sequence[Blob]) -> bool:
+    return any(blob is other for other in others)
+
+
+def _holds(blob: Blob, parts: BlobPair) -> bool:
+    """Whether one of the parts was cut out of the blob."""
+    x, y, width, height = cv2.boundingRect(blob.contour_px.astype(np.float32))
+    for part in parts:
+        u, v = part.centroid_px
+        if x <= u <= x + width and y <= v <= y + height:
+            inside = cv2.pointPolygonTest(blob.contour_px.astype(np.float32), (float(u), float(v)), False)
+            if inside >= 0 and part.sharpness is not blob.sharpness:
+                return True
+    return False
+
+
+def _is_whole(where: Located) -> bool:
+    """One face of a half-lit part would pass for a flat part: what was cut out must be a body."""
+    if where.extent is None:
+        return True
+    return float(where.extent.size_m.min()) > _FLAT * float(where.extent.size_m.max())
