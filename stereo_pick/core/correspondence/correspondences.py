@@ -8,22 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.correspondence.extent import Extent
 from stereo_pick.core.errors import ArrayError
 from stereo_pick.core.refusal import Refusal
-
-
-@dataclass(frozen=True, eq=False)
-class Extent:
-    """What is known of an object as a solid: kind, `sphere`, `cylinder` or `box`; rotation (3, 3), its axes as columns
-    in the rectified left frame, a cylinder's own the third; size_m (3,), its full size along them."""
-
-    kind: str
-    rotation: Floats
-    size_m: Floats
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "rotation", floats("rotation", self.rotation, 3, 3))
-        object.__setattr__(self, "size_m", floats("size_m", self.size_m, 3))
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
+from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.left_over import left_over
 from stereo_pick.core.correspondence.located import BlobPair, Located, locate
 from stereo_pick.core.correspondence.method import Method
@@ -21,6 +22,7 @@ from stereo_pick.core.objects.splitting import split
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes import common_normal
 
 Pairs = list[tuple[int, int]]
 
@@ -88,41 +90,42 @@ class Feature(Method):
     def _collected(
         self, pair: RectifiedPair, blobs: Blobs, matched: list[BlobPair], doubtful: list[BlobPair]
     ) -> Correspondences:
-        located = list(zip(matched, self._located(pair, matched)))
-        kept = [(each, where) for each, where in located if not where.reason]
-        lost = [(each, where) for each, where in located if where.reason]
-        known = [blob for each, _ in kept for blob in each] + [blob for each in doubtful for blob in each]
-        parts, lost = self._apart(pair, blobs, known, lost)
-        kept += parts
+        kept, lost = _told_apart(self._located(pair, matched))
+        dealt_with = [blob for each, _ in kept for blob in each] + [blob for each in doubtful for blob in each]
+        blobs, rows = self._apart(pair, blobs, dealt_with)
+        found, lost_parts = _told_apart(rows)
+        lost = [row for row in lost if all(_among(blob, (*blobs.left, *blobs.right)) for blob in row[0])] + lost_parts
+        dealt_with += [blob for each, _ in found + lost for blob in each]
+        kept = sorted(kept + found, key=lambda row: float(row[1].left_px[0]))
         refused = [Refusal(where.reason, where.left_px, where.right_px) for _, where in lost]
         refused += [Refusal("ambiguous", left.centroid_px, right.centroid_px) for left, right in doubtful]
-        known += [blob for each, _ in lost + kept for blob in each]
-        known += [blob for blob in (*blobs.left, *blobs.right) if any(_holds(blob, each) for each, _ in parts)]
-        kept.sort(key=lambda row: float(row[1].left_px[0]))
-        matches = [_match(left, where) for (left, _), where in kept]
-        return collect(matches, [*refused, *left_over(blobs, known, self.similarity(pair.rig))])
+        normal = common_normal([where.fit for _, where in kept])
+        matches = [_match(left, where, normal) for (left, _), where in kept]
+        return collect(matches, [*refused, *left_over(blobs, dealt_with, self.similarity(pair.rig))])
 
-    def _located(self, pair: RectifiedPair, matched: list[BlobPair]) -> list[Located]:
+    def _located(self, pair: RectifiedPair, matched: list[BlobPair]) -> list[Row]:
         if all(len(blob.sharpness) for each in matched for blob in each):
-            return locate(pair, matched, self.max_concavity)
-        return [Located(left.centroid_px, right.centroid_px, _PLAIN_SIGMA_PX, None) for left, right in matched]
+            return list(zip(matched, locate(pair, matched, self.max_concavity)))
+        return [((one, two), Located(one.centroid_px, two.centroid_px, _PLAIN_SIGMA_PX, None)) for one, two in matched]
 
-    def _apart(
-        self, pair: RectifiedPair, blobs: Blobs, known: list[Blob], lost: list[Row]
-    ) -> tuple[list[Row], list[Row]]:
-        """Touching parts taken apart in both views and paired anew: those located, and the pairs still lost."""
+    def _apart(self, pair: RectifiedPair, blobs: Blobs, dealt_with: list[Blob]) -> tuple[Blobs, list[Row]]:
+        """The objects with touching ones taken apart, as far as at least one part is found, and those parts."""
+        parts = {id(blob): self._split(blob) for blob in (*blobs.left, *blobs.right) if not _among(blob, dealt_with)}
+        if all(len(each) <= 1 for each in parts.values()):
+            return blobs, []
+        whole = {id(part): blob for blob in (*blobs.left, *blobs.right) for part in parts.get(id(blob), [])}
         left, right = (
-            [part for blob in side if not _among(blob, known) for part in self._split(blob)]
-            for side in (blobs.left, blobs.right)
+            [part for blob in side for part in parts.get(id(blob), [])] for side in (blobs.left, blobs.right)
         )
-        if len(left) + len(right) == len([b for b in (*blobs.left, *blobs.right) if not _among(b, known)]):
-            return [], lost
         matched, _ = self._paired(pair.rig, left, right)
-        matched = [each for each in matched if any(_among(blob, left + right) for blob in each)]
-        rows = [(each, where) for each, where in zip(matched, self._located(pair, matched)) if not where.reason]
-        found = [each for each in rows if _is_whole(each[1])]
-        still = [row for row in lost if not any(_holds(blob, each) for blob in row[0] for each, _ in found)]
-        return found, still
+        rows = [_unless_a_face(row) for row in self._located(pair, matched)]
+        found = [whole[id(blob)] for each, where in rows if not where.reason for blob in each]
+        rows = [row for row in rows if any(_among(whole[id(blob)], found) for blob in row[0])]
+        opened = [
+            tuple(part for blob in side for part in (parts[id(blob)] if _among(blob, found) else [blob]))
+            for side in (blobs.left, blobs.right)
+        ]
+        return Blobs(opened[0], opened[1], blobs.polarity), rows
 
     def _split(self, blob: Blob) -> list[Blob]:
         if blob.fault == "merged":
@@ -144,35 +147,30 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
     return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
 
 
-def _match(left: Blob, where: Located) -> Match:
+def _match(left: Blob, where: Located, normal: Floats | None) -> Match:
     length, width, direction = left.rectangle
     sigma = where.sigma_px, where.sigma_px
-    return Match(where.left_px, where.right_px, sigma, (length, width), direction, where.extent)
+    extent = None if where.fit is None else extent_of(where.fit, normal)
+    return Match(where.left_px, where.right_px, sigma, (length, width), direction, extent)
+
+
+def _told_apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+    """Those whose place is known, and those that must be refused."""
+    return [row for row in rows if not row[1].reason], [row for row in rows if row[1].reason]
 
 
 def _located_blobs(blobs: Sequence[Blob]) -> list[Blob]:
     """Those whose place can be known: touching or half-lit parts too, as far as a solid explains them."""
-    return [blob for blob in blobs if blob.fault in ("", "merged")]
+    return [blob for blob in blobs if blob.fault == "" or (blob.fault == "merged" and len(blob.sharpness))]
 
 
 def _among(blob: Blob, others: Sequence[Blob]) -> bool:
     return any(blob is other for other in others)
 
 
-def _holds(blob: Blob, parts: BlobPair) -> bool:
-    """Whether one of the parts was cut out of the blob."""
-    x, y, width, height = cv2.boundingRect(blob.contour_px.astype(np.float32))
-    for part in parts:
-        u, v = part.centroid_px
-        if x <= u <= x + width and y <= v <= y + height:
-            inside = cv2.pointPolygonTest(blob.contour_px.astype(np.float32), (float(u), float(v)), False)
-            if inside >= 0 and part.sharpness is not blob.sharpness:
-                return True
-    return False
-
-
-def _is_whole(where: Located) -> bool:
+def _unless_a_face(row: Row) -> Row:
     """One face of a half-lit part would pass for a flat part: what was cut out must be a body."""
-    if where.extent is None:
-        return True
-    return float(where.extent.size_m.min()) > _FLAT * float(where.extent.size_m.max())
+    (left, right), where = row
+    if where.fit is None or where.fit.size_m.min() > _FLAT * where.fit.size_m.max():
+        return row
+    return row[0], Located(left.centroid_px, right.centroid_px, 1.0, None, "merged")

@@ -12,16 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.correspondences import Extent
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.shadow import SHARP
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solids
 from stereo_pick.core.shapes.fitting import best_of_kind, can_be_fitted
-from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
-from stereo_pick.core.shapes.sight import Solids
 
 _EDGE_SIGMA_PX = 0.08
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
@@ -40,7 +38,7 @@ class Located:
     left_px: Floats
     right_px: Floats
     sigma_px: float
-    extent: Extent | None
+    fit: SolidFit | None
     reason: str = ""
 
 
@@ -61,7 +59,7 @@ def _locate(
     fading = max(_fades(blob) for blob in blobs)
     notched = any(blob.concavity > max_concavity for blob in blobs)
     if fit is not None and not notched and fading <= _MAY_FADE:
-        longer = images.contradicts(_seen_part(images.rig, outlines, blobs, fit))
+        longer = _longer(images, outlines, blobs, fit)
         if longer is not None:
             return _by_solid(images.rig, blobs, longer.fit) if longer.believable else _refused(blobs, "half_lit")
         complete = fading <= _MAY_FADE_UNEXPLAINED
@@ -76,12 +74,18 @@ def _locate(
     return _by_outlines(images.rig, blobs, None)
 
 
-def _seen_part(rig: StereoRig, outlines: tuple[Outline, Outline], blobs: BlobPair, fit: SolidFit) -> Solids:
-    """The solid to look for more of. Seen from above, the end of a cylinder is as round as a ball, but its edge is
-    sharp where a ball's light fades towards its limb."""
-    if fit.kind == SPHERE.name and min(float(np.median(blob.sharpness)) for blob in blobs) > _SHARP_LIMB:
-        return best_of_kind(outlines, rig, CYLINDER)[0]
-    return fit.solid
+def _longer(images: Images, outlines: tuple[Outline, Outline], blobs: BlobPair, fit: SolidFit) -> Supported | None:
+    """A longer solid that makes this one doubtful.
+
+    Seen from above, the end of a cylinder is as round as a ball, but its edge is sharp where a ball's light fades
+    towards its limb, most often: only a cylinder that is sure itself speaks against a ball.
+    """
+    if fit.kind != SPHERE.name:
+        return images.contradicts(fit.solid)
+    if min(float(np.median(blob.sharpness)) for blob in blobs) < _SHARP_LIMB:
+        return None
+    longer = images.contradicts(best_of_kind(outlines, images.rig, CYLINDER)[0])
+    return longer if longer is not None and longer.believable else None
 
 
 def _fades(blob: Blob) -> float:
@@ -102,7 +106,7 @@ def _by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Locat
     variance = _EDGE_SIGMA_PX**2 + rows_apart_px**2 / 2
     if fit is None:
         variance += (_UNKNOWN_SHAPE * max(blob.rectangle[0] for blob in blobs)) ** 2
-    return Located(left_px, right_px, float(np.sqrt(variance)), _extent(fit))
+    return Located(left_px, right_px, float(np.sqrt(variance)), fit)
 
 
 def _by_solid(rig: StereoRig, blobs: BlobPair, fit: SolidFit) -> Located:
@@ -110,7 +114,7 @@ def _by_solid(rig: StereoRig, blobs: BlobPair, fit: SolidFit) -> Located:
     left_px, right_px = fit.centre_px(rig.left), fit.centre_px(rig.right)
     per_px2 = _covariance_per_px2(rig, fit.centre_m)
     spread = float(np.linalg.eigvals(np.linalg.solve(per_px2, fit.covariance)).real.max())
-    return Located(left_px, right_px, float(np.sqrt(_EDGE_SIGMA_PX**2 + spread)), _extent(fit))
+    return Located(left_px, right_px, float(np.sqrt(_EDGE_SIGMA_PX**2 + spread)), fit)
 
 
 def _covariance_per_px2(rig: StereoRig, centre_m: Floats) -> Floats:
@@ -125,8 +129,4 @@ def _covariance_per_px2(rig: StereoRig, centre_m: Floats) -> Floats:
             [-z * scale, z * scale, 0.0, 0.0],
         ]
     )
-    return jacobian @ jacobian.T
-
-
-def _extent(fit: SolidFit | None) -> Extent | None:
-    return None if fit is None else Extent(fit.kind, fit.rotation, fit.size_m)
+    return np.asarray(jacobian @ jacobian.T)
