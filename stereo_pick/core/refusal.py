@@ -13,6 +13,7 @@ REASONS = {
     "cut_by_border": "reaches the border of the image, so its centroid is unknown",
     "merged": "its outline has a deep notch: touching parts, a half-lit part, or a part that is not convex",
     "half_lit": "its outline shows only a part of it: the rest is as bright as what is behind it",
+    "flat": "it shows one flat face only: the lit top of a body, or a flat part (set flat_parts if yours are flat)",
     "left_only": "no object in the right view fits it",
     "right_only": "no object in the left view fits it",
     "ambiguous": "several objects of the other view fit it equally well",

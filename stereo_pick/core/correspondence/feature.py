@@ -60,6 +60,11 @@ class Feature(Method):
         low=0.01,
         high=10.0,
     )
+    flat_parts: bool = parameter(
+        False,
+        "Whether parts may be flat. The lit top of a body whose sides are as bright as the table looks like a flat "
+        "part, centimetres above the body's centre: what shows one flat face only is refused, unless this is set.",
+    )
     ambiguity_margin: float = parameter(
         0.25,
         "How much better (0 the same, 1 from perfect to barely possible) a match must be than what is left over.",
@@ -105,7 +110,7 @@ class Feature(Method):
 
     def _located(self, pair: RectifiedPair, matched: list[BlobPair]) -> list[Row]:
         if all(len(blob.sharpness) for each in matched for blob in each):
-            return list(zip(matched, locate(pair, matched, self.max_concavity)))
+            return list(zip(matched, locate(pair, matched, self.max_concavity, self.flat_parts)))
         return [((one, two), Located(one.centroid_px, two.centroid_px, _PLAIN_SIGMA_PX, None)) for one, two in matched]
 
     def _apart(self, pair: RectifiedPair, blobs: Blobs, dealt_with: list[Blob]) -> tuple[Blobs, list[Row]]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.one_face import shows_one_face
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.shadow import SHARP
@@ -23,9 +24,11 @@ from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 
 _EDGE_SIGMA_PX = 0.08
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
-_MAY_FADE_UNEXPLAINED = 0.05  # ... and where the outline is all that is known
+_MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
+_COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _SHARP_LIMB = 0.75
+_FLAT = 0.08  # thickness by length
 
 BlobPair = tuple[Blob, Blob]
 
@@ -42,15 +45,19 @@ class Located:
     reason: str = ""
 
 
-def locate(pair: RectifiedPair, matched: Sequence[BlobPair], max_concavity: float) -> list[Located]:
-    """Find the centre of every matched object, or say why it cannot be known."""
+def locate(pair: RectifiedPair, matched: Sequence[BlobPair], max_concavity: float, flat_parts: bool) -> list[Located]:
+    """Find the centre of every matched object, or say why it cannot be known.
+
+    max_concavity: of one part's outline; flat_parts: whether what shows one face only may be a flat part.
+    """
     outlines = [tuple(Outline.from_contour(b.contour_px, b.sharpness >= SHARP) for b in blobs) for blobs in matched]
     fits = fit_solids([(left, right) for left, right in outlines], pair.rig)
     images = Images(pair)
-    return [
+    located = [
         _locate(images, blobs, (left, right), fit, max_concavity)
         for blobs, (left, right), fit in zip(matched, outlines, fits)
     ]
+    return located if flat_parts else [_unless_flat(pair.rig, *each) for each in zip(matched, located)]
 
 
 def _locate(
@@ -62,7 +69,7 @@ def _locate(
         longer = _longer(images, outlines, blobs, fit)
         if longer is not None:
             return _by_solid(images.rig, blobs, longer.fit) if longer.believable else _refused(blobs, "half_lit")
-        complete = fading <= _MAY_FADE_UNEXPLAINED
+        complete = fading <= _COMPLETE
         return _by_outlines(images.rig, blobs, fit) if complete else _by_solid(images.rig, blobs, fit)
     best = images.best(outlines) if can_be_fitted(outlines) else None
     if best is not None:
@@ -72,6 +79,16 @@ def _locate(
     if fading > _MAY_FADE_UNEXPLAINED or (can_be_fitted(outlines) and images.hides_a_side(outlines)):
         return _refused(blobs, "half_lit")
     return _by_outlines(images.rig, blobs, None)
+
+
+def _unless_flat(rig: StereoRig, blobs: BlobPair, located: Located) -> Located:
+    """The lit top of a body and a flat part look the same."""
+    if located.reason:
+        return located
+    if located.fit is None:
+        return _refused(blobs, "flat") if shows_one_face(*blobs, rig) else located
+    sizes = located.fit.size_m
+    return _refused(blobs, "flat") if sizes.min() < _FLAT * sizes.max() else located
 
 
 def _longer(images: Images, outlines: tuple[Outline, Outline], blobs: BlobPair, fit: SolidFit) -> Supported | None:

@@ -86,7 +86,7 @@ def fit_solids(
 
 def best_of_kind(pair: Pair, rig: StereoRig, kind: Kind) -> tuple[Solids, float]:
     """The solid (S = 1) of one kind that comes nearest to an object's outlines, and its misfit [px], however large."""
-    found = _best(Sight.of([pair], rig), kind, None, NOISE_PX)
+    found = _searched(Sight.of([pair], rig), kind, None, _THOROUGH if kind.turns else _QUICK[-1:])
     return found.solids, float(misfit_px(found, NOISE_PX)[0])
 
 

@@ -17,7 +17,8 @@ from stereo_pick.core.shapes.sight import Solids
 
 _STEP_PX = 3.0
 _NEW_PX = 4.0  # how far a point lies outside the old silhouette to be one of the new part
-_LEAST = 0.15  # of the size of the part that was seen: the shadow where an object stands has edges, too
+_LEAST = 0.15  # of the size of the part that was seen, and ...
+_LEAST_PX = 6.0  # ... in pixels: the shadow where an object stands has edges, too
 _FAR = 0.7  # part of the greatest such distance: the far end tells the length, the sides are there for any
 _MIN_POINTS = 6
 _POINTS = 72
@@ -48,9 +49,14 @@ def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap]) -> Solids | N
     return candidates.only(np.array([best])) if share[best] >= _SHOWN else None
 
 
-def is_longer(one: Solids, other: Solids) -> bool:
+def is_longer(one: Solids, other: Solids, focal_px: float) -> bool:
     """Whether one solid (S = 1) is so much larger than another of its kind that it shows another part."""
-    return float((one.half_m - other.half_m).max()) > _LEAST * float(other.half_m.max()) / 2
+    longer_m = 2 * float((one.half_m - other.half_m).max())
+    return longer_m > _least_m(other, float(other.centre_m[0, 2]) / focal_px)
+
+
+def _least_m(solid: Solids, m_per_px: float) -> float:
+    return max(_LEAST * 2 * float(solid.half_m.max()), _LEAST_PX * m_per_px)
 
 
 def _stretched(solid: Solids, step: float) -> Solids | None:
@@ -60,7 +66,7 @@ def _stretched(solid: Solids, step: float) -> Solids | None:
         return None
     size = 2 * float(solid.half_m.max())
     step_m = step * solid.centre_m[0, 2]
-    lengths = np.arange(_LEAST * size + step_m, max(_FARTHEST * size, 3 * step_m), step_m)
+    lengths = np.arange(_least_m(solid, step_m / _STEP_PX) + step_m, max(_FARTHEST * size, 4 * step_m), step_m)
     centres, halves = [], []
     for axis in (2,) if kind.sizes == 2 else (0, 1, 2):
         which = kind.axes[axis]
@@ -75,7 +81,7 @@ def _stretched(solid: Solids, step: float) -> Solids | None:
         np.concatenate(centres),
         np.repeat(solid.rotation, count, axis=0),
         np.concatenate(halves),
-        np.repeat(solid.turns, count, axis=0),
+        np.tile(np.eye(3)[:, list(kind.turns)], (count, 1, 1)),
     )
 
 

@@ -22,7 +22,6 @@ from stereo_pick.core.shapes.solid_fit import SolidFit
 _SUPPORTED = 0.8  # part of the silhouette, in either view, that must lie on edges ...
 _SUPPORTED_GROWN = 0.7  # ... less where the new part alone was looked for and found
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
-_HINTED = 0.5  # the same where the solid is only roughly of the object's shape
 _RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
 _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
 
@@ -34,6 +33,11 @@ class Supported:
     fit: SolidFit
     support: float
     believable: bool
+
+    @property
+    def raises_doubt(self) -> bool:
+        """Whether there is so much to it that a shorter solid is doubtful."""
+        return self.believable or (self.support > _CONTRADICTED and _is_tight(self.fit.residual_px))
 
 
 class Images:
@@ -51,7 +55,7 @@ class Images:
         if stretched is None:
             return None
         longer = self.locked(stretched, _SUPPORTED_GROWN)
-        return longer if is_longer(longer.fit.solid, solid) else None
+        return longer if is_longer(longer.fit.solid, solid, self.rig.focal_px) else None
 
     def locked(self, solid: Solids, enough: float = _SUPPORTED) -> Supported:
         """The solid brought onto the edges next to its silhouette."""
@@ -72,20 +76,20 @@ class Images:
     def _with_longer(self, solid: Solids) -> list[Supported]:
         """A longer solid with support makes the shorter one, a part of it, unbelievable."""
         longer = self.longer(solid)
-        if longer is not None and longer.support > _CONTRADICTED:
+        if longer is not None and longer.raises_doubt:
             return [longer]
         return [self.locked(solid)]
 
     def contradicts(self, solid: Solids) -> Supported | None:
         """A longer solid that has enough support to make this one doubtful, whether or not it is sure itself."""
         longer = self.longer(solid)
-        return longer if longer is not None and longer.support > _CONTRADICTED else None
+        return longer if longer is not None and longer.raises_doubt else None
 
     def hides_a_side(self, pair: Pair) -> bool:
         """Whether the edges around an object of unknown shape hint that its outlines show a part of it only."""
         for kind in (CYLINDER, BOX):
             longer = self.longer(best_of_kind(pair, self.rig, kind)[0])
-            if longer is not None and longer.support > _HINTED:
+            if longer is not None and longer.raises_doubt:
                 return True
         return False
 
@@ -100,4 +104,8 @@ def _supported(locked: Locked, enough: float) -> Supported:
     result = SolidFit(
         solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance
     )
-    return Supported(result, support, support >= enough and median_px < _RESIDUAL * NOISE_PX)
+    return Supported(result, support, support >= enough and _is_tight(median_px))
+
+
+def _is_tight(residual_px: float) -> bool:
+    return residual_px < _RESIDUAL * NOISE_PX

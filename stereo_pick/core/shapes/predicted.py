@@ -21,9 +21,16 @@ def silhouettes(solids: Solids, eyes_m: Floats) -> Floats:
     centre = solids.seen_from(eyes_m)
     at = np.broadcast_to(centre[..., :2] / centre[..., 2:], (*centre.shape[:2], _DIRECTIONS, 2))
     for _ in range(3):
-        touched = solids.touched(tangent_planes(at, np.broadcast_to(around, at.shape))) + centre
+        touched = _touched(solids, tangent_planes(at, np.broadcast_to(around, at.shape))) + centre
         at = touched[..., :2] / touched[..., 2:]
     return np.asarray(at)
+
+
+def _touched(solids: Solids, planes: Floats) -> Floats:
+    """The solids' points (S, E, N, 3) [m], relative to their centres, that lie furthest in such directions."""
+    own = planes.reshape(len(planes), -1, 3) @ solids.rotation
+    touched = solids.kind.touch(own, solids.half_m) @ solids.rotation.transpose(0, 2, 1)
+    return np.asarray(touched.reshape(planes.shape))
 
 
 def along_polygon(corners: Floats, count: int) -> tuple[Floats, Floats]:
