@@ -56,13 +56,13 @@ def pose_table(poses: ObjectPoses) -> str:
     """One line an object, in millimetres."""
     if len(poses) == 0:
         return "no object"
-    lines = [f"{'#':>3} {'x mm':>9} {'y mm':>9} {'z mm':>9} {'± z mm':>7} {'gap mm':>7} {'size mm':>15}"]
+    lines = [f"{'#':>3} {'x mm':>9} {'y mm':>9} {'z mm':>9} {'± z mm':>7} {'gap mm':>7} {'size mm':>20} {'kind':>8}"]
     for index, (x, y, z) in enumerate(poses.xyz * 1000):
         sigma = np.sqrt(poses.covariance[index, 2, 2]) * 1000
-        length, width = poses.size_m[index] * 1000
+        kind = poses.kinds[index] or "-"
+        size = " x ".join(f"{side * 1000:.1f}" for side in poses.size_m[index] if side > 0)
         gap = poses.ray_gap[index] * 1000
-        size = f"{length:.1f} x {width:.1f}"
-        lines.append(f"{index + 1:>3} {x:>9.2f} {y:>9.2f} {z:>9.2f} {sigma:>7.2f} {gap:>7.2f} {size:>15}")
+        lines.append(f"{index + 1:>3} {x:>9.2f} {y:>9.2f} {z:>9.2f} {sigma:>7.2f} {gap:>7.2f} {size:>20} {kind:>8}")
     return "\n".join(lines)
 
 
@@ -72,6 +72,8 @@ def _object(poses: ObjectPoses, index: int) -> dict[str, Any]:
         "covariance_m2": poses.covariance[index].tolist(),
         "ray_gap_m": float(poses.ray_gap[index]),
         "size_m": poses.size_m[index].tolist(),
+        "kind": poses.kinds[index],
+        "orientation_xyzw": poses.quaternions()[index].tolist(),
         "yaw_rad": float(poses.heading_rad[index]),
         "left_px": poses.left_px[index].tolist(),
         "right_px": poses.right_px[index].tolist(),

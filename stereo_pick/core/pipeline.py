@@ -8,6 +8,7 @@ from stereo_pick.core.correspondence import Correspondences, Method
 from stereo_pick.core.correspondence.correspondences import collect
 from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.correspondence.rig_check import rig_fault
+from stereo_pick.core.correspondence.unseen import unseen
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
 from stereo_pick.core.objects import Blobs, Detector
 from stereo_pick.core.poses import ObjectPoses, estimate_poses
@@ -37,8 +38,10 @@ class Steps:
     triangulator: Triangulator = field(default_factory=Triangulator)
 
     def correspond(self, pair: RectifiedPair) -> tuple[Blobs, Correspondences]:
-        """Find the objects and match them; refuses all of them where the images do not fit the calibration."""
+        """Find the objects and match them; refuses all where a view cannot show them or misfits the calibration."""
         blobs = self.detector.detect(pair)
+        if any(blobs.view_faults):
+            return blobs, collect([], unseen(blobs, pair))
         fault = rig_fault(blobs, pair.rig)
         if fault:
             return blobs, collect([], [Refusal(fault, blob.centroid_px, None) for blob in blobs.sound()[0]])

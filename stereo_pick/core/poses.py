@@ -19,18 +19,20 @@ class ObjectPoses:
     """N objects in the left camera's own optical frame (x right, y down, z forward), left to right.
 
     xyz: (N, 3) [m], where the two rays of the method's image points meet: with `feature` those through the centroids
-    of the two outlines, for a compact part close to the centre of its volume; with `ssd` a point of the visible
-    surface; yaw_rad: (N,), direction of the
-    object's length, turned from x towards y about z; size_m: (N, 2), length and width of its outline as the left
-    camera sees it; covariance: (N, 3, 3) [m²]; ray_gap: (N,) [m]; left_px, right_px: (N, 2) in the raw images [px].
+    of the two outlines, moved to the centre of the volume where a solid explains both; with `ssd` a point of the
+    visible surface. rotation: (N, 3, 3), its columns are the directions of an object's length, of its width, and down
+    into the table; size_m: (N, 3), length, width and height; kinds: N of `extent.KINDS`. Where no solid explains an
+    object, length and width are those of its outline as the left camera sees it, and the height is 0.
+    covariance: (N, 3, 3) [m²]; ray_gap: (N,) [m]; left_px, right_px: (N, 2) in the raw images [px].
     covariance_of: whose uncertainty the covariance contains. `positioning` may move xyz and covariance to the frame
-    `frame_id` (else empty), into which frame_R_camera (3, 3) turns from the left optical one; yaw_rad stays.
+    `frame_id` (else empty), into which frame_R_camera (3, 3) turns from the left optical one; rotation stays.
     """
 
     stamp_ns: int
     xyz: Floats
-    yaw_rad: Floats
+    rotation: Floats
     size_m: Floats
+    kinds: tuple[str, ...]
     covariance: Floats
     ray_gap: Floats
     left_px: Floats
@@ -43,7 +45,7 @@ class ObjectPoses:
     def __post_init__(self) -> None:
         count = len(self.xyz)
         shapes: dict[str, tuple[int, ...]] = {
-            "xyz": (count, 3), "yaw_rad": (count,), "size_m": (count, 2), "covariance": (count, 3, 3),
+            "xyz": (count, 3), "rotation": (count, 3, 3), "size_m": (count, 3), "covariance": (count, 3, 3),
             "ray_gap": (count,), "left_px": (count, 2), "right_px": (count, 2),
         }  # fmt: skip
         for name, shape in shapes.items():
@@ -54,17 +56,14 @@ class ObjectPoses:
         return len(self.xyz)
 
     def quaternions(self) -> Floats:
-        """Orientations (N, 4) as x, y, z, w: the turn by yaw_rad about the camera's z, then that into the frame."""
-        x, y, z, w = to_quaternion(self.frame_R_camera)
-        sine, cosine = np.sin(self.yaw_rad / 2), np.cos(self.yaw_rad / 2)
-        return np.stack(
-            [x * cosine + y * sine, y * cosine - x * sine, z * cosine + w * sine, w * cosine - z * sine], axis=1
-        )
+        """Orientations (N, 4) as x, y, z, w, in the frame."""
+        turned = [to_quaternion(self.frame_R_camera @ rotation) for rotation in self.rotation]
+        return np.array(turned, np.float64).reshape(-1, 4)
 
     @property
     def heading_rad(self) -> Floats:
-        """Direction (N,) of the objects' length about the z axis of the frame; yaw_rad in the camera's own."""
-        length = np.stack([np.cos(self.yaw_rad), np.sin(self.yaw_rad)], axis=1) @ self.frame_R_camera[:, :2].T
+        """Direction (N,) of the objects' length about the z axis of the frame."""
+        length = self.rotation[:, :, 0] @ self.frame_R_camera.T
         return np.asarray(np.arctan2(length[:, 1], length[:, 0]))
 
 
@@ -72,17 +71,24 @@ def estimate_poses(points: Points, correspondences: Correspondences, rig: Stereo
     """Put position, direction and size together for every triangulated object."""
     row = points.row
     left_px, right_px = correspondences.left_px[row], correspondences.right_px[row]
-    depth_m = points.xyz @ rig.left.R[2]
-    angle = correspondences.direction_rad[row]
-    length_axis = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(row))], axis=1) @ rig.left.R
+    extents = [correspondences.extents[i] for i in row]
+    flat_m = correspondences.size_px[row] * (points.xyz @ rig.left.R[2])[:, None] / rig.focal_px
+    flat = [_about_view(angle) for angle in correspondences.direction_rad[row]]
     return ObjectPoses(
         stamp_ns=stamp_ns,
         xyz=points.xyz,
-        yaw_rad=np.arctan2(length_axis[:, 1], length_axis[:, 0]),
-        size_m=correspondences.size_px[row] * depth_m[:, None] / rig.focal_px,
+        rotation=np.array([rig.left.R.T @ (e.rotation if e else r) for e, r in zip(extents, flat)]),
+        size_m=np.array([e.size_m if e else (*size, 0.0) for e, size in zip(extents, flat_m)]),
+        kinds=tuple(e.kind if e else "" for e in extents),
         covariance=points.covariance,
         ray_gap=points.ray_gap,
         left_px=rig.left.unrectified(left_px),
         right_px=rig.right.unrectified(right_px),
         refused=points.refused,
     )
+
+
+def _about_view(angle_rad: float) -> Floats:
+    """The turn (3, 3) of x towards y by an angle."""
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -12,6 +12,8 @@ REASONS = {
     "faint": "differs too little from the background to be an object",
     "cut_by_border": "reaches the border of the image, so its centroid is unknown",
     "merged": "its outline has a deep notch: touching parts, a half-lit part, or a part that is not convex",
+    "half_lit": "its outline shows only a part of it: the rest is as bright as what is behind it",
+    "flat": "it shows one flat face only: the lit top of a body, or a flat part (set flat_parts if yours are flat)",
     "left_only": "no object in the right view fits it",
     "right_only": "no object in the left view fits it",
     "ambiguous": "several objects of the other view fit it equally well",
@@ -22,6 +24,9 @@ REASONS = {
     "swapped": "the left and the right images are exchanged (or the calibration is wrong): "
     "the objects fit only the other way round",
     "misaligned": "most objects fit nothing in the other view: has a camera moved since its calibration?",
+    "too_dark": "the view has so little light that no object could be told from its background",
+    "saturated": "over-exposed: what is as bright as a pixel can be has no edges",
+    "out_of_focus": "not even the sharpest part of its outline is sharp enough to be placed",
 }
 """Every reason for a refusal, and what it means."""
 

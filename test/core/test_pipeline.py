@@ -48,10 +48,10 @@ def in_order_of(truth: Floats, found: Floats) -> Floats:
 
 
 @pytest.mark.parametrize("name", RIGS)
-def test_balls_are_found_where_their_silhouettes_meet(name: str) -> None:
-    """The silhouette of a ball triangulates to Z - r²/Z; what is left is shading at the edges and noise."""
+def test_balls_are_found_at_their_centres(name: str) -> None:
+    """Centroids of silhouettes would meet at Z - r²/Z; what is left is shading at the edges and noise."""
     poses = located(name, frame_of(name)).poses
-    rig, truth = RIGS[name], SCENE.silhouette_points_m(RIGS[name])
+    rig, truth = RIGS[name], SCENE.positions_m()
     error_mm = (in_order_of(truth, poses.xyz) - truth) @ rig.left.R.T * 1000
     assert np.abs(error_mm[:, :2]).max() < 0.15
     assert np.abs(error_mm[:, 2]).max() < 0.6 * max(1, 0.08 / rig.baseline_m)
@@ -192,9 +192,9 @@ def test_the_path_traced_empty_table_is_empty(shared_data: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["touching/two_in_left", "touching/three_in_contact", "touching/box_and_cylinder"])
-def test_touching_parts_give_no_wrong_pose(name: str, shared_data: Path) -> None:
+def test_touching_parts_are_found_or_refused(name: str, shared_data: Path) -> None:
     result, truth = bench_scene(shared_data / "bench_rig", name)
-    assert result.poses.refused
+    assert 1 <= len(result.poses) <= len(truth) <= len(result.poses) + len(result.poses.refused)
     for xyz in result.poses.xyz:
         assert np.linalg.norm(truth - xyz, axis=1).min() < 5e-3
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from outlines import PARALLEL, blank_pair, seen
+from rendering import Box, Cylinder, Scene, render
 from rigs import RIGS, rotation
 
 from stereo_pick.core.arrays import Floats
@@ -13,6 +14,7 @@ from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.errors import ArrayError
 from stereo_pick.core.objects import Blob
+from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.poses import ObjectPoses, estimate_poses
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
@@ -46,15 +48,15 @@ def poses_of(rig: StereoRig, *plates: Floats) -> ObjectPoses:
 def test_a_plate_has_its_place_size_and_yaw(name: str, yaw_deg: float) -> None:
     poses = poses_of(RIGS[name], plate(np.deg2rad(yaw_deg), (0.02, -0.01, 0.9)))
     np.testing.assert_allclose(poses.xyz, [(0.02, -0.01, 0.9)], atol=5e-4)  # perspective moves centroids
-    np.testing.assert_allclose(poses.size_m, [(LENGTH_M, WIDTH_M)], rtol=0.05)
-    off = poses.yaw_rad[0] - np.deg2rad(yaw_deg)
+    np.testing.assert_allclose(poses.size_m, [(LENGTH_M, WIDTH_M, 0)], rtol=0.05)
+    off = poses.heading_rad[0] - np.deg2rad(yaw_deg)
     assert np.rad2deg(np.arcsin(abs(np.sin(off)))) < 1.5
 
 
 def test_on_parallel_cameras_size_and_yaw_are_exact() -> None:
     poses = poses_of(PARALLEL, plate(0.4, (-0.05, 0.03, 1.2)))
-    np.testing.assert_allclose(poses.size_m, [(LENGTH_M, WIDTH_M)], rtol=1e-3)
-    assert np.sin(poses.yaw_rad[0] - 0.4) == pytest.approx(0, abs=1e-3)
+    np.testing.assert_allclose(poses.size_m, [(LENGTH_M, WIDTH_M, 0)], rtol=1e-3)
+    assert np.sin(poses.heading_rad[0] - 0.4) == pytest.approx(0, abs=1e-3)
 
 
 @pytest.mark.parametrize("name", RIGS)
@@ -67,15 +69,41 @@ def test_positions_project_onto_the_raw_pixels_that_are_told(name: str) -> None:
     np.testing.assert_allclose(poses.right_px, right_raw, atol=0.1)
 
 
-def test_quaternions_turn_x_into_the_length_about_z() -> None:
-    count, yaw = 3, np.array([-1.2, 0.0, 2.0])
+def test_quaternions_turn_x_into_the_length_and_z_down_into_the_table() -> None:
+    turns = np.array([rotation(vector) for vector in ((0.1, -0.7, 1.2), (0, 0, 0), (2.8, 0.3, -0.4))])
+    count = len(turns)
     poses = ObjectPoses(
-        0, np.zeros((count, 3)), yaw, np.ones((count, 2)), np.zeros((count, 3, 3)), np.zeros(count),
+        0, np.zeros((count, 3)), turns, np.ones((count, 3)), ("",) * count, np.zeros((count, 3, 3)), np.zeros(count),
         np.zeros((count, 2)), np.zeros((count, 2)),
     )  # fmt: skip
-    for (x, y, z, w), angle in zip(poses.quaternions(), yaw):
-        turned = (1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w))
-        np.testing.assert_allclose(turned, (np.cos(angle), np.sin(angle), 0), atol=1e-12)
+    for (x, y, z, w), turn in zip(poses.quaternions(), turns):
+        length = (1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w))
+        down = (2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y))
+        np.testing.assert_allclose(np.stack([length, down], axis=1), turn[:, [0, 2]], atol=1e-9)
+
+
+PARTS = {
+    "a standing cylinder": Cylinder(0.0, 0.0, (0.04, 0.04, 0.06)),
+    "a box": Box(0.0, 0.0, (0.07, 0.05, 0.04), yaw_rad=0.5),
+    "a lying cylinder": Cylinder(0.0, 0.0, (0.03, 0.03, 0.08), yaw_rad=-0.6, lying=True),
+}
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_part_has_its_size_and_lies_as_it_does(name: str) -> None:
+    """Beside two other parts, which tell where the table is."""
+    part = PARTS[name]
+    others = Cylinder(-0.11, 0.02, (0.04, 0.04, 0.05)), Box(0.11, -0.02, (0.05, 0.04, 0.045), yaw_rad=0.2)
+    scene = Scene((part, *others), ambient=0.8)
+    poses = Pipeline(RIGS["thesis"], Steps()).run(render(RIGS["thesis"], scene)).poses
+    at = int(np.linalg.norm(poses.xyz - scene.positions_m()[0], axis=1).argmin())
+    table_R_part = scene.left_T_table.rotation.T @ poses.rotation[at]
+    assert poses.kinds[at] == type(part).__name__.lower()
+    np.testing.assert_allclose(poses.size_m[at], part.extent_m, atol=1.2e-3)
+    assert table_R_part[2, 2] < -np.cos(np.deg2rad(2))
+    if name != "a standing cylinder":
+        yaw_rad = np.arctan2(table_R_part[1, 0], table_R_part[0, 0])
+        assert abs(np.sin(yaw_rad - part.yaw_rad)) < np.sin(np.deg2rad(2))
 
 
 def test_no_points_give_no_poses_but_keep_the_refusals() -> None:

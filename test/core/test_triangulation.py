@@ -68,7 +68,7 @@ def test_parallel_cameras_give_equations_1_34_to_1_36(u: float, v: float, dispar
     z = BASELINE_M * focal / disparity_px
     expected = ((u - cx) * z / focal, (v - cy) * z / focal, z)
     found = Triangulator().triangulate(seen_at(np.array([(u, v)]), np.array([(u - disparity_px, v)])), PARALLEL)
-    np.testing.assert_allclose(found.xyz[0], expected, rtol=1e-9)
+    np.testing.assert_allclose(found.xyz[0], expected, rtol=1e-9, atol=1e-12)
 
 
 @given(random_rigs(), SEEDS)

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 import rigs
 from rclpy.serialization import deserialize_message, serialize_message
+from rigs import rotation
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from visualization_msgs.msg import Marker
 
 from stereo_pick.core.correspondence import Correspondences
+from stereo_pick.core.correspondence.extent import KINDS, Extent
 from stereo_pick.core.errors import ArrayError, CalibrationError, ImageError, StereoPickError
 from stereo_pick.core.images import ImageBuffer, pixels
 from stereo_pick.core.poses import ObjectPoses
@@ -123,7 +125,10 @@ def correspondences(count: int = 3) -> Correspondences:
 
     refused = [Refusal("merged", np.array([1.5, 2.5]), None), Refusal("right_only", None, np.array([3.5, 4.5]))]
     refused += [Refusal(reason, np.array([1.0, 2.0]), np.array([3.0, 4.0])) for reason in REASONS]
-    return Correspondences(columns(2), columns(2), columns(2), columns(2), columns(1)[:, 0], tuple(refused))
+    box = Extent("box", rotation((0.1, -0.4, 2.0)), np.array([0.05, 0.04, 0.03]))
+    ball = Extent("sphere", np.eye(3), np.full(3, 0.02))
+    extents = (box, None, ball)[:count]
+    return Correspondences(columns(2), columns(2), columns(2), columns(2), columns(1)[:, 0], tuple(refused), extents)
 
 
 @pytest.mark.parametrize("count", [0, 1, 3])
@@ -133,6 +138,11 @@ def test_correspondences_come_back_with_their_refusals(count: int) -> None:
     after = correspondences_of(message)
     for name in ("left_px", "right_px", "sigma_px", "size_px", "direction_rad"):
         assert (getattr(after, name) == getattr(before, name)).all()
+    for one, other in zip(after.extents, before.extents, strict=True):
+        assert (one is None) == (other is None)
+        if one is not None and other is not None:
+            assert one.kind == other.kind and (one.size_m == other.size_m).all()
+            np.testing.assert_allclose(one.rotation, other.rotation, atol=1e-9)
     assert [refusal.reason for refusal in after.refused] == [refusal.reason for refusal in before.refused]
     for one, other in zip(after.refused, before.refused):
         for side in ("left_px", "right_px"):
@@ -199,7 +209,7 @@ def test_rows_that_no_version_of_the_node_sends_are_refused() -> None:
     nan_in_match.data[:8] = array("B", np.array([np.nan]).tobytes())
     with pytest.raises(ArrayError, match="left_px holds nan"):
         correspondences_of(nan_in_match)
-    message.data[message.point_step + 72] = 250
+    message.data[message.point_step + 16 * 8] = 250  # after 16 numbers
     with pytest.raises(StereoPickError, match="unknown reason 250"):
         correspondences_of(sent(message))
 
@@ -209,8 +219,9 @@ def poses(count: int) -> ObjectPoses:
     return ObjectPoses(
         stamp_ns=STAMP_NS,
         xyz=RNG.uniform(-0.2, 1, (count, 3)),
-        yaw_rad=RNG.uniform(-3, 3, count),
-        size_m=RNG.uniform(0.01, 0.1, (count, 2)),
+        rotation=np.array([rotation(vector) for vector in RNG.normal(0, 1, (count, 3))]),
+        size_m=RNG.uniform(0.01, 0.1, (count, 3)),
+        kinds=("box", "", "cylinder", "sphere")[:count],
         covariance=half @ half.transpose(0, 2, 1),
         ray_gap=RNG.uniform(0, 0.01, count),
         left_px=RNG.uniform(0, 600, (count, 2)),
@@ -225,10 +236,10 @@ def test_a_pose_array_has_every_object_in_order(count: int) -> None:
     assert (stamp_ns(message.header.stamp), message.header.frame_id) == (STAMP_NS, "left_eye")
     positions = [(pose.position.x, pose.position.y, pose.position.z) for pose in message.poses]
     assert np.array_equal(np.reshape(positions, (-1, 3)), before.xyz)
-    for pose, yaw_rad in zip(message.poses, before.yaw_rad):
+    for pose, turn in zip(message.poses, before.rotation):
         q = pose.orientation
         x_axis = (1 - 2 * (q.y**2 + q.z**2), 2 * (q.x * q.y + q.w * q.z), 2 * (q.x * q.z - q.w * q.y))
-        assert np.allclose(x_axis, (np.cos(yaw_rad), np.sin(yaw_rad), 0), atol=1e-12)
+        assert np.allclose(x_axis, turn[:, 0], atol=1e-9)
 
 
 @pytest.mark.parametrize("count", [0, 3])
@@ -241,10 +252,11 @@ def test_the_objects_table_has_all_that_is_known(count: int) -> None:
     for index, row in enumerate(rows):
         assert [row[name] for name in "xyz"] == before.xyz[index].tolist()
         assert [[row[f"cov_{a}{b}"] for b in "xyz"] for a in "xyz"] == before.covariance[index].tolist()
-        assert (row["length"], row["width"]) == tuple(before.size_m[index])
+        assert (row["length"], row["width"], row["height"]) == tuple(before.size_m[index])
+        assert KINDS[row["kind"]] == before.kinds[index]
         assert (row["left_u"], row["left_v"]) == tuple(before.left_px[index])
         assert (row["right_u"], row["right_v"]) == tuple(before.right_px[index])
-        assert (row["yaw"], row["ray_gap"]) == (before.yaw_rad[index], before.ray_gap[index])
+        assert (row["yaw"], row["ray_gap"]) == (before.heading_rad[index], before.ray_gap[index])
 
 
 def test_markers_replace_those_of_the_pair_before() -> None:
@@ -258,7 +270,7 @@ def test_markers_replace_those_of_the_pair_before() -> None:
         assert marker.color.a > 0
         assert marker.pose.position.x == before.xyz[marker.id, 0]
         if marker.type == Marker.CUBE:
-            assert [marker.scale.x, marker.scale.y] == before.size_m[marker.id].tolist()
+            assert [marker.scale.x, marker.scale.y, marker.scale.z] == before.size_m[marker.id].tolist()
         else:
             assert f"{before.xyz[marker.id, 2] * 1000:.1f} mm" in marker.text
     assert [marker.action for marker in sent(markers_message(poses(0), "e")).markers] == [Marker.DELETEALL]

@@ -313,6 +313,16 @@ def demo() -> RectifiedPair:
     return Rectifier(load_rig(DEMO_RIG)).rectify(StereoFrame(*pair))
 
 
+def test_correspondence_tells_of_a_view_without_light(graph: Graph, demo: RectifiedPair) -> None:
+    graph.host(CorrespondenceNode(graph.context))
+    cameras = Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    cameras.until(
+        lambda: cameras.pair(demo.left, np.zeros_like(demo.right), demo.rig),
+        told(graph, "correspondence", WARN, "so little light", "expose longer"),
+        "too dark",
+    )
+
+
 def test_correspondence_tells_of_exchanged_images_and_matches_none(graph: Graph, demo: RectifiedPair) -> None:
     graph.host(CorrespondenceNode(graph.context))
     found, cameras = graph.listen(CORRESPONDENCES), Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)

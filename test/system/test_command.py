@@ -19,6 +19,7 @@ from rosbags.highlevel import AnyReader
 
 from stereo_pick.cli.main import main
 from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.correspondence.extent import KINDS
 from stereo_pick.core.refusal import REASONS
 
 RIG = load_rig(DEMO_RIG)
@@ -67,7 +68,9 @@ def test_locate_prints_json_of_the_promised_form(images: Path, tmp_path: Path) -
         assert np.allclose(each["covariance_m2"], np.transpose(each["covariance_m2"]))
         assert is_numbers(each["ray_gap_m"])
         assert 0 <= each["ray_gap_m"] < 0.01
-        assert is_numbers(each["size_m"], 2)
+        assert is_numbers(each["size_m"], 3)
+        assert is_numbers(each["orientation_xyzw"], 4)
+        assert each["kind"] in KINDS
         left_px, right_px = RIG.project([each["position_m"]])
         assert np.abs(left_px[0] - each["left_px"]).max() < 2, "left_px are raw pixels"
         assert np.abs(right_px[0] - each["right_px"]).max() < 2, "right_px are raw pixels"

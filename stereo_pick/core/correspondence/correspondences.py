@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.correspondence.extent import Extent
+from stereo_pick.core.errors import ArrayError
 from stereo_pick.core.refusal import Refusal
 
 
@@ -18,7 +20,7 @@ class Correspondences:
     left_px, right_px: (N, 2) in the rectified views [px]; sigma_px: (N, 2), one sigma of the left and of the
     right point in each direction [px], the currency in which all methods state their uncertainty;
     size_px: (N, 2), length and width of the object in the left rectified view [px]; direction_rad: (N,),
-    direction of its length there, from the x axis towards y.
+    direction of its length there, from the x axis towards y; extents: N, the solid that explains it, or None.
     """
 
     left_px: Floats
@@ -27,12 +29,17 @@ class Correspondences:
     size_px: Floats
     direction_rad: Floats
     refused: tuple[Refusal, ...] = ()
+    extents: tuple[Extent | None, ...] = ()
 
     def __post_init__(self) -> None:
         count = len(self.left_px)
         for name in ("left_px", "right_px", "sigma_px", "size_px"):
             object.__setattr__(self, name, floats(name, np.reshape(getattr(self, name), (-1, 2)), count, 2))
         object.__setattr__(self, "direction_rad", floats("direction_rad", self.direction_rad, count))
+        if not self.extents:
+            object.__setattr__(self, "extents", (None,) * count)
+        if len(self.extents) != count:
+            raise ArrayError(f"extents has {len(self.extents)} entries, needs {count}")
 
     def __len__(self) -> int:
         return len(self.left_px)
@@ -47,6 +54,7 @@ class Match:
     sigma_px: tuple[float, float]
     size_px: tuple[float, float]
     direction_rad: float
+    extent: Extent | None = None
 
 
 def collect(matches: Sequence[Match], refused: Sequence[Refusal]) -> Correspondences:
@@ -58,4 +66,5 @@ def collect(matches: Sequence[Match], refused: Sequence[Refusal]) -> Corresponde
         size_px=np.array([match.size_px for match in matches]).reshape(-1, 2),
         direction_rad=np.array([match.direction_rad for match in matches], np.float64),
         refused=tuple(refused),
+        extents=tuple(match.extent for match in matches),
     )

@@ -2,26 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
+from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.left_over import left_over
+from stereo_pick.core.correspondence.located import BlobPair, Located, locate
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
+from stereo_pick.core.objects.splitting import split
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes import common_normal
 
 Pairs = list[tuple[int, int]]
 
-_EDGE_SIGMA_PX = 0.8
-_INDEPENDENT_ARCS = 8  # shading moves an edge along whole arcs of the outline, not point by point
+Row = tuple[BlobPair, Located]
+
+_PLAIN_SIGMA_PX = 0.3  # of a centroid of whole pixels: shading moves its edges along whole arcs
+_FLAT = 0.15  # thickness by length
 
 
 @dataclass(frozen=True)
@@ -46,6 +54,17 @@ class Feature(Method):
     max_area_ratio: float = parameter(
         1.5, "By what factor an object's areas in the two views may differ.", low=1.0, high=10.0
     )
+    max_concavity: float = parameter(
+        0.15,
+        "Depth of the deepest notch in an outline, as a part of its width, from which it is taken for touching parts.",
+        low=0.01,
+        high=10.0,
+    )
+    flat_parts: bool = parameter(
+        False,
+        "Whether parts may be flat. The lit top of a body whose sides are as bright as the table looks like a flat "
+        "part, centimetres above the body's centre: what shows one flat face only is refused, unless this is set.",
+    )
     ambiguity_margin: float = parameter(
         0.25,
         "How much better (0 the same, 1 from perfect to barely possible) a match must be than what is left over.",
@@ -54,18 +73,69 @@ class Feature(Method):
     )
 
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
-        """Return centroids of matched objects, left to right in the left view."""
-        left, right = blobs.sound()
+        """Return the centres of matched objects, left to right in the left view."""
         if self.assignment == "area":
-            pairs, doubtful = least_area_difference(left, right), set()
-        else:
-            cost = self.similarity(pair.rig).costs(left, right)
-            pairs = uncrossed(assign(cost, unmatched_cost=1.0), cost, left, right)
-            doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin)
-        kept = [_match(left[i], right[j]) for i, j in pairs if (i, j) not in doubtful]
-        refused = [Refusal("ambiguous", left[i].centroid_px, right[j].centroid_px) for i, j in sorted(doubtful)]
-        paired = [left[i] for i, _ in pairs] + [right[j] for _, j in pairs]
-        return collect(kept, [*refused, *left_over(blobs, paired, self.similarity(pair.rig))])
+            left, right = blobs.sound()
+            matched = [(left[i], right[j]) for i, j in least_area_difference(left, right)]
+            return self._collected(pair, blobs, matched, [])
+        matched, doubtful = self._paired(pair.rig, blobs.left, blobs.right)
+        return self._collected(pair, blobs, matched, doubtful)
+
+    def _paired(
+        self, rig: StereoRig, left: Sequence[Blob], right: Sequence[Blob]
+    ) -> tuple[list[BlobPair], list[BlobPair]]:
+        """The pairs of objects that belong together, and those that might as well be paired otherwise."""
+        one, other = _located_blobs(left), _located_blobs(right)
+        cost = self.similarity(rig).costs(one, other)
+        pairs = uncrossed(assign(cost, unmatched_cost=1.0), cost, one, other)
+        doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin)
+        sure = [(one[i], other[j]) for i, j in pairs if (i, j) not in doubtful]
+        return sure, [(one[i], other[j]) for i, j in sorted(doubtful)]
+
+    def _collected(
+        self, pair: RectifiedPair, blobs: Blobs, matched: list[BlobPair], doubtful: list[BlobPair]
+    ) -> Correspondences:
+        kept, lost = _told_apart(self._located(pair, matched))
+        dealt_with = [blob for each, _ in kept for blob in each] + [blob for each in doubtful for blob in each]
+        blobs, rows = self._apart(pair, blobs, dealt_with)
+        found, lost_parts = _told_apart(rows)
+        lost = [row for row in lost if all(_among(blob, (*blobs.left, *blobs.right)) for blob in row[0])] + lost_parts
+        dealt_with += [blob for each, _ in found + lost for blob in each]
+        kept = sorted(kept + found, key=lambda row: float(row[1].left_px[0]))
+        refused = [Refusal(where.reason, where.left_px, where.right_px) for _, where in lost]
+        refused += [Refusal("ambiguous", left.centroid_px, right.centroid_px) for left, right in doubtful]
+        normal = common_normal([where.fit for _, where in kept])
+        matches = [_match(left, where, normal) for (left, _), where in kept]
+        return collect(matches, [*refused, *left_over(blobs, dealt_with, self.similarity(pair.rig))])
+
+    def _located(self, pair: RectifiedPair, matched: list[BlobPair]) -> list[Row]:
+        if all(len(blob.sharpness) for each in matched for blob in each):
+            return list(zip(matched, locate(pair, matched, self.max_concavity, self.flat_parts)))
+        return [((one, two), Located(one.centroid_px, two.centroid_px, _PLAIN_SIGMA_PX, None)) for one, two in matched]
+
+    def _apart(self, pair: RectifiedPair, blobs: Blobs, dealt_with: list[Blob]) -> tuple[Blobs, list[Row]]:
+        """The objects with touching ones taken apart, as far as at least one part is found, and those parts."""
+        parts = {id(blob): self._split(blob) for blob in (*blobs.left, *blobs.right) if not _among(blob, dealt_with)}
+        if all(len(each) <= 1 for each in parts.values()):
+            return blobs, []
+        whole = {id(part): blob for blob in (*blobs.left, *blobs.right) for part in parts.get(id(blob), [])}
+        left, right = (
+            [part for blob in side for part in parts.get(id(blob), [])] for side in (blobs.left, blobs.right)
+        )
+        matched, _ = self._paired(pair.rig, left, right)
+        rows = [_unless_a_face(row) for row in self._located(pair, matched)]
+        found = [whole[id(blob)] for each, where in rows if not where.reason for blob in each]
+        rows = [row for row in rows if any(_among(whole[id(blob)], found) for blob in row[0])]
+        opened = [
+            tuple(part for blob in side for part in (parts[id(blob)] if _among(blob, found) else [blob]))
+            for side in (blobs.left, blobs.right)
+        ]
+        return Blobs(opened[0], opened[1], blobs.polarity), rows
+
+    def _split(self, blob: Blob) -> list[Blob]:
+        if blob.fault == "merged":
+            return split(replace(blob, fault=""), self.max_concavity)
+        return [] if blob.fault else [blob]
 
     def similarity(self, rig: StereoRig) -> Similarity:
         """By how much an object may differ between the views of this rig."""
@@ -82,7 +152,30 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
     return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
 
 
-def _match(left: Blob, right: Blob) -> Match:
-    sigma_px = _EDGE_SIGMA_PX / np.sqrt(_INDEPENDENT_ARCS)
+def _match(left: Blob, where: Located, normal: Floats | None) -> Match:
     length, width, direction = left.rectangle
-    return Match(left.centroid_px, right.centroid_px, (sigma_px, sigma_px), (length, width), direction)
+    sigma = where.sigma_px, where.sigma_px
+    extent = None if where.fit is None else extent_of(where.fit, normal)
+    return Match(where.left_px, where.right_px, sigma, (length, width), direction, extent)
+
+
+def _told_apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+    """Those whose place is known, and those that must be refused."""
+    return [row for row in rows if not row[1].reason], [row for row in rows if row[1].reason]
+
+
+def _located_blobs(blobs: Sequence[Blob]) -> list[Blob]:
+    """Those whose place can be known: touching or half-lit parts too, as far as a solid explains them."""
+    return [blob for blob in blobs if blob.fault == "" or (blob.fault == "merged" and len(blob.sharpness))]
+
+
+def _among(blob: Blob, others: Sequence[Blob]) -> bool:
+    return any(blob is other for other in others)
+
+
+def _unless_a_face(row: Row) -> Row:
+    """One face of a half-lit part would pass for a flat part: what was cut out must be a body."""
+    (left, right), where = row
+    if where.fit is None or where.fit.size_m.min() > _FLAT * where.fit.size_m.max():
+        return row
+    return row[0], Located(left.centroid_px, right.centroid_px, 1.0, None, "merged")

@@ -79,11 +79,15 @@ class Blob:
 
 @dataclass(frozen=True, eq=False)
 class Blobs:
-    """The objects found in both rectified views, and the polarity that both were found with."""
+    """The objects found in both rectified views, and the polarity that both were found with.
+
+    view_faults: why the left and the right view cannot show all objects, a reason of `refusal.REASONS`, or empty.
+    """
 
     left: tuple[Blob, ...]
     right: tuple[Blob, ...]
     polarity: str
+    view_faults: tuple[str, str] = ("", "")
 
     def sound(self) -> tuple[list[Blob], list[Blob]]:
         """The objects of the left and of the right view that may be matched."""

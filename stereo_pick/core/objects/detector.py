@@ -8,6 +8,8 @@ import numpy as np
 
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.blob import Blob, Blobs
+from stereo_pick.core.objects.exposure import view_fault, with_saturation
+from stereo_pick.core.objects.focus import is_out_of_focus
 from stereo_pick.core.objects.foreground import Contrast, foreground, measure_contrast
 from stereo_pick.core.objects.outline import outlines
 from stereo_pick.core.objects.shadow import clearer, may_hold_shadow, strongest_parts
@@ -75,11 +77,16 @@ class Detector(Configurable):
             for image, camera in ((pair.left, pair.rig.left), (pair.right, pair.rig.right))
         )
         best = self._read(left, right, self.polarity) if self.polarity != "auto" else self._clearer(left, right)
-        return Blobs(
+        found = Blobs(
             self._finished(best.left, left, best.polarity),
             self._finished(best.right, right, best.polarity),
             best.polarity,
         )
+        return replace(found, view_faults=(self._view_fault(found.left, left), self._view_fault(found.right, right)))
+
+    def _view_fault(self, blobs: tuple[Blob, ...], contrast: Contrast) -> str:
+        least = max(float(self.min_contrast), self.threshold_sigma * contrast.background.sigma)
+        return view_fault(contrast.view, blobs, least)
 
     def _clearer(self, left: Contrast, right: Contrast) -> Blobs:
         """The reading of more contrast energy; the one that promises less is left out where it can't win."""
@@ -110,7 +117,7 @@ class Detector(Configurable):
         clear = self._refined([blob for blob in blobs if blob.contrast >= least], contrast)
         if polarity == "dark":
             clear = self._without_shadows(clear, contrast)
-        found = [self._checked(blob) for blob in clear] + faint
+        found = [self._checked(blob, contrast.view) for blob in with_saturation(clear, contrast.view.image)] + faint
         return tuple(sorted(found, key=lambda blob: float(blob.centroid_px[0])))
 
     def _without_shadows(self, blobs: list[Blob], contrast: Contrast) -> list[Blob]:
@@ -133,9 +140,13 @@ class Detector(Configurable):
             for blob, silhouette in zip(blobs, traced)
         ]
 
-    def _checked(self, blob: Blob) -> Blob:
+    def _checked(self, blob: Blob, view: View) -> Blob:
         if blob.cut:
             return replace(blob, fault="cut_by_border")
+        if blob.fault:
+            return blob
+        if self.subpixel and is_out_of_focus(blob, view.image):
+            return replace(blob, fault="out_of_focus")
         return replace(blob, fault="merged") if blob.concavity > self.max_concavity else blob
 
 

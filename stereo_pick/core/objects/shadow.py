@@ -15,6 +15,7 @@ SHARP = 0.25
 """Sharpness from which a contour point is on an edge, and not where light merely fades."""
 
 _MAY_FADE = 0.05  # part of an outline that may fade before a shadow is looked for
+_MAY_BE_NOTCHED = 0.05
 _MUST_GAIN = 0.5
 
 
@@ -48,8 +49,11 @@ def strongest_parts(blob: Blob, contrast: Contrast, polarity: str, min_area_px: 
 
 
 def clearer(parts: list[Blob], whole: Blob) -> bool:
-    """Whether what is left without the shadow fades much less at its rim than the whole did."""
-    if not parts:
+    """Whether what is left without the shadow fades much less at its rim than the whole did, and has no notches.
+
+    Glossy stripes along the rim of a part would be cut away like a shadow.
+    """
+    if not parts or max(part.concavity for part in parts) > max(whole.concavity, _MAY_BE_NOTCHED):
         return False
     points = sum(len(part.contour_px) for part in parts)
     faded = sum(fading(part) * len(part.contour_px) for part in parts) / points

@@ -19,6 +19,7 @@ _BEGINNINGS = 4
 _ENDS = 60  # points of the outline at which a cut may end
 _MIN_PART = 0.1  # of the area
 _MUST_GAIN = 0.5  # part of the missing area (hull less outline) that a cut must explain
+_CLEARLY_GAINS = 0.75  # ... and of a shallow notch, in a part of what is known to be several
 _MAX_PARTS = 6
 
 
@@ -33,20 +34,20 @@ def split(blob: Blob, max_concavity: float) -> list[Blob]:
     whole: list[Blob] = []
     while parts and len(parts) + len(whole) <= _MAX_PARTS:
         part = parts.pop()
-        if part.concavity <= max_concavity:
+        halves = _best_cut(part, _MUST_GAIN if part.concavity > max_concavity else _CLEARLY_GAINS)
+        if halves is not None and part.concavity > max_concavity / 2:
+            parts += halves
+        elif part.concavity <= max_concavity:
             whole.append(part)
-            continue
-        halves = _best_cut(part)
-        if halves is None:
+        else:
             return [blob]
-        parts += halves
     return [blob] if parts else whole
 
 
-def _best_cut(blob: Blob) -> tuple[Blob, Blob] | None:
+def _best_cut(blob: Blob, must_gain: float) -> tuple[Blob, Blob] | None:
     """The two parts of least missing area, if that is clearly less than the missing area of the whole."""
     missing = _missing_area(blob.contour_px)
-    best, least = None, (1 - _MUST_GAIN) * missing
+    best, least = None, (1 - must_gain) * missing
     for begin, end in _cuts(blob):
         one, other = _arc(begin, end, len(blob.contour_px)), _arc(end, begin, len(blob.contour_px))
         areas = [_area(blob.contour_px[arc]) for arc in (one, other)]

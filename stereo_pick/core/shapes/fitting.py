@@ -15,7 +15,7 @@ from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.outline import Outline
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
 from stereo_pick.core.shapes.residuals import own_tangents
-from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.sight import Sight, Solids
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.starts import starts
 
@@ -62,7 +62,7 @@ def fit_solids(
     to be preferred, and the chosen one must leave no more than half as much again. None where no kind does, or where
     the one that does could as well be of another size.
     """
-    seen = np.array([i for i, pair in enumerate(pairs) if _can_be_fitted(pair)], np.int64)
+    seen = np.array([i for i, pair in enumerate(pairs) if can_be_fitted(pair)], np.int64)
     chosen: list[SolidFit | None] = [None] * len(pairs)
     if not len(seen):
         return chosen
@@ -84,7 +84,14 @@ def fit_solids(
     return chosen
 
 
-def _can_be_fitted(pair: Pair) -> bool:
+def best_of_kind(pair: Pair, rig: StereoRig, kind: Kind) -> tuple[Solids, float]:
+    """The solid (S = 1) of one kind that comes nearest to an object's outlines, and its misfit [px], however large."""
+    found = _searched(Sight.of([pair], rig), kind, None, _THOROUGH if kind.turns else _QUICK[-1:])
+    return found.solids, float(misfit_px(found, NOISE_PX)[0])
+
+
+def can_be_fitted(pair: Pair) -> bool:
+    """Whether both outlines have enough points that show the object's own edge."""
     return all((side.weight * (1 - side.corner)).sum() >= _LEAST_TRUSTED for side in pair)
 
 

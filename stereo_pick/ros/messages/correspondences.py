@@ -1,7 +1,9 @@
 """Correspondences as a PointCloud2: one row a matched object, one a refusal; common_interfaces has no type for them.
 
 Columns: left_u, left_v, right_u, right_v [rectified px, NaN where unseen]; sigma_left, sigma_right, length, width
-[px]; direction [rad]; reason: 0 for a match, else the position in `stereo_pick.core.refusal.REASONS`, from 1.
+[px]; direction [rad]; length_m, width_m, height_m, qx, qy, qz, qw: the solid that explains the object (NaN where none
+does), in the rectified left frame; reason: 0 for a match, else the position in `stereo_pick.core.refusal.REASONS`, from
+1; kind: the position in `stereo_pick.core.correspondence.extent.KINDS`, 0 where none explains it.
 """
 
 from __future__ import annotations
@@ -14,11 +16,16 @@ from sensor_msgs.msg import PointCloud2
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence import Correspondences
+from stereo_pick.core.correspondence.extent import KINDS, Extent
+from stereo_pick.core.hand_eye.rotations import from_quaternion, to_quaternion
 from stereo_pick.core.refusal import REASONS, Refusal
 from stereo_pick.ros.messages.tables import TableError, table_message, table_of
 
 _NUMBERS = ("left_u", "left_v", "right_u", "right_v", "sigma_left", "sigma_right", "length", "width", "direction")
-_ROW = np.dtype([*((name, np.float64) for name in _NUMBERS), ("reason", np.uint8)], align=True)
+_SOLID = ("length_m", "width_m", "height_m", "qx", "qy", "qz", "qw")
+_ROW = np.dtype(
+    [*((name, np.float64) for name in (*_NUMBERS, *_SOLID)), ("reason", np.uint8), ("kind", np.uint8)], align=True
+)
 _REASONS = tuple(REASONS)
 
 
@@ -26,7 +33,7 @@ def correspondences_message(correspondences: Correspondences, stamp_ns: int, fra
     """The message of N matches and their refusals, with a stamp [ns]."""
     count = len(correspondences)
     rows = np.zeros(count + len(correspondences.refused), _ROW)
-    for name in _NUMBERS:
+    for name in (*_NUMBERS, *_SOLID):
         rows[name] = np.nan
     rows["reason"] = [0] * count + [_REASONS.index(refusal.reason) + 1 for refusal in correspondences.refused]
     matched = rows[:count]
@@ -39,6 +46,11 @@ def correspondences_message(correspondences: Correspondences, stamp_ns: int, fra
         for name, column in zip(names, values.T):
             matched[name] = column
     matched["direction"] = correspondences.direction_rad
+    for row, extent in zip(matched, correspondences.extents):
+        if extent is not None:
+            row["kind"] = KINDS.index(extent.kind)
+            for name, value in zip(_SOLID, (*extent.size_m, *to_quaternion(extent.rotation))):
+                row[name] = value
     for row, refusal in zip(rows[count:], correspondences.refused):
         for side in ("left", "right"):
             point = getattr(refusal, f"{side}_px")
@@ -59,6 +71,7 @@ def correspondences_of(message: PointCloud2) -> Correspondences:
         sigma_px=_columns(matched, "sigma_left", "sigma_right"),
         size_px=_columns(matched, "length", "width"),
         direction_rad=matched["direction"],
+        extents=tuple(_extent(row) for row in matched),
         refused=tuple(
             Refusal(_REASONS[row["reason"] - 1], _point(row, "left"), _point(row, "right")) for row in refused
         ),
@@ -67,6 +80,15 @@ def correspondences_of(message: PointCloud2) -> Correspondences:
 
 def _columns(rows: NDArray[Any], *names: str) -> Floats:
     return np.stack([rows[name] for name in names], axis=1)
+
+
+def _extent(row: Any) -> Extent | None:
+    if row["kind"] == 0:
+        return None
+    if row["kind"] >= len(KINDS):
+        raise TableError(f"unknown kind {row['kind']}: do both nodes have the same version?")
+    rotation = from_quaternion((0.0, 0.0, 0.0), [row[name] for name in _SOLID[3:]]).rotation
+    return Extent(KINDS[row["kind"]], rotation, np.array([row[name] for name in _SOLID[:3]]))
 
 
 def _point(row: Any, side: str) -> Floats | None:

@@ -8,14 +8,30 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from stereo_pick.core.correspondence.extent import KINDS
 from stereo_pick.core.poses import ObjectPoses
 from stereo_pick.ros.messages.stamps import header
 from stereo_pick.ros.messages.tables import table_message
 
 _COVARIANCE = [f"cov_{a}{b}" for a in "xyz" for b in "xyz"]
-_COLUMNS = ("x", "y", "z", "yaw", "length", "width", "ray_gap", "left_u", "left_v", "right_u", "right_v", *_COVARIANCE)
-OBJECT_ROW = np.dtype([(name, np.float64) for name in _COLUMNS])
-"""Columns of `objects`: metres and radians in the frame of the header, raw pixels, covariance in m²."""
+_COLUMNS = (
+    "x",
+    "y",
+    "z",
+    "yaw",
+    "length",
+    "width",
+    "height",
+    "ray_gap",
+    "left_u",
+    "left_v",
+    "right_u",
+    "right_v",
+    *_COVARIANCE,
+)
+OBJECT_ROW = np.dtype([*((name, np.float64) for name in _COLUMNS), ("kind", np.uint8)], align=True)
+"""Columns of `objects`: metres and radians in the frame of the header, raw pixels, covariance in m²; kind: its place in
+`stereo_pick.core.correspondence.extent.KINDS`, 0 for an unknown one, whose height is 0."""
 
 
 def pose_array_message(poses: ObjectPoses, frame_id: str) -> PoseArray:
@@ -34,6 +50,7 @@ def objects_message(poses: ObjectPoses, frame_id: str) -> PointCloud2:
     rows = np.zeros(len(poses), OBJECT_ROW)
     for name, column in zip(_COLUMNS, table.T):
         rows[name] = column
+    rows["kind"] = [KINDS.index(kind) for kind in poses.kinds]
     return table_message(rows, poses.stamp_ns, frame_id)
 
 
@@ -42,7 +59,7 @@ def markers_message(poses: ObjectPoses, frame_id: str) -> MarkerArray:
     head = header(poses.stamp_ns, frame_id)
     markers = [Marker(header=head, action=Marker.DELETEALL)]
     for index, pose in enumerate(_poses(poses)):
-        length, width = poses.size_m[index]
+        length, width, height = poses.size_m[index]
         markers.append(
             Marker(
                 header=head,
@@ -50,7 +67,7 @@ def markers_message(poses: ObjectPoses, frame_id: str) -> MarkerArray:
                 id=index,
                 type=Marker.CUBE,
                 pose=pose,
-                scale=Vector3(x=float(length), y=float(width), z=float(width)),
+                scale=Vector3(x=float(length), y=float(width), z=float(height or width)),
                 color=ColorRGBA(r=0.1, g=0.7, b=0.3, a=0.5),
             )
         )

@@ -11,17 +11,23 @@ from stereo_pick.core.annotation import annotate
 from stereo_pick.core.configuration import correspondence_groups, declared, method_parameter
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.images import pixels
-from stereo_pick.core.refusal import REASONS, count_reasons
+from stereo_pick.core.refusal import REASONS, RIG_FAULTS, count_reasons
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.joined_node import JoinedNode
 from stereo_pick.ros.messages.correspondences import correspondences_message
-from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
 from stereo_pick.ros.messages.images import buffer_of, image_message
 from stereo_pick.ros.messages.stamps import stamp_ns
 from stereo_pick.ros.process import run_nodes
 from stereo_pick.ros.topics import ANNOTATED, CORRESPONDENCES, IMAGE_RECT, SIDES
 
-_REMEDIES = {"swapped": "; exchange the two image topics, or the cameras", "misaligned": " Calibrate again"}
+_REMEDIES = {
+    "swapped": "; exchange the two image topics, or the cameras",
+    "misaligned": " Calibrate again",
+    "too_dark": "; give more light, or expose longer",
+    "saturated": "; expose for a shorter time, or close the iris",
+    "out_of_focus": "; focus the lens on the work surface, or close the iris",
+}
 
 
 class CorrespondenceNode(JoinedNode):
@@ -39,7 +45,8 @@ class CorrespondenceNode(JoinedNode):
         values = {reason: str(count) for reason, count in refused.items()}
         for fault, remedy in _REMEDIES.items():
             if fault in refused:
-                return Status(ERROR, f"{REASONS[fault]}{remedy}", values)
+                level = ERROR if fault in RIG_FAULTS else WARN
+                return Status(level, f"{REASONS[fault]}{remedy}", values)
         return Status(OK, f"{len(self._last)} objects matched, {len(self._last.refused)} refused", values)
 
     def process(self, messages: dict[str, Any], rig: StereoRig) -> None:

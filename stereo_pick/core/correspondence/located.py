@@ -1,0 +1,149 @@
+"""From two outlines of an object to the image points of the centre of its volume.
+
+The centre of an outline is not the image of the object's centre: what is nearer looks larger. A solid that explains
+both outlines says how far off it is; where the outlines show only a part of the object, the solid says the rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.one_face import shows_one_face
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects import Blob
+from stereo_pick.core.objects.shadow import SHARP
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solids
+from stereo_pick.core.shapes.fitting import best_of_kind, can_be_fitted
+from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
+
+_EDGE_SIGMA_PX = 0.08
+_MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
+_MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
+_COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
+_UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
+_SHARP_LIMB = 0.75
+_FLAT = 0.08  # thickness by length
+
+BlobPair = tuple[Blob, Blob]
+
+
+@dataclass(frozen=True, eq=False)
+class Located:
+    """Image points (2,) [px] of an object's centre, their sigma [px], and the solid, if one explains it; or the
+    reason why they are not known."""
+
+    left_px: Floats
+    right_px: Floats
+    sigma_px: float
+    fit: SolidFit | None
+    reason: str = ""
+
+
+def locate(pair: RectifiedPair, matched: Sequence[BlobPair], max_concavity: float, flat_parts: bool) -> list[Located]:
+    """Find the centre of every matched object, or say why it cannot be known.
+
+    max_concavity: of one part's outline; flat_parts: whether what shows one face only may be a flat part.
+    """
+    outlines = [tuple(Outline.from_contour(b.contour_px, b.sharpness >= SHARP) for b in blobs) for blobs in matched]
+    fits = fit_solids([(left, right) for left, right in outlines], pair.rig)
+    images = Images(pair)
+    located = [
+        _locate(images, blobs, (left, right), fit, max_concavity)
+        for blobs, (left, right), fit in zip(matched, outlines, fits)
+    ]
+    return located if flat_parts else [_unless_flat(pair.rig, *each) for each in zip(matched, located)]
+
+
+def _locate(
+    images: Images, blobs: BlobPair, outlines: tuple[Outline, Outline], fit: SolidFit | None, max_concavity: float
+) -> Located:
+    fading = max(_fades(blob) for blob in blobs)
+    notched = any(blob.concavity > max_concavity for blob in blobs)
+    if fit is not None and not notched and fading <= _MAY_FADE:
+        longer = _longer(images, outlines, blobs, fit)
+        if longer is not None:
+            return _by_solid(images.rig, blobs, longer.fit) if longer.believable else _refused(blobs, "half_lit")
+        complete = fading <= _COMPLETE
+        return _by_outlines(images.rig, blobs, fit) if complete else _by_solid(images.rig, blobs, fit)
+    best = images.best(outlines) if can_be_fitted(outlines) else None
+    if best is not None:
+        return _by_solid(images.rig, blobs, best.fit)
+    if notched:
+        return _refused(blobs, "merged")
+    if fading > _MAY_FADE_UNEXPLAINED or (can_be_fitted(outlines) and images.hides_a_side(outlines)):
+        return _refused(blobs, "half_lit")
+    return _by_outlines(images.rig, blobs, None)
+
+
+def _unless_flat(rig: StereoRig, blobs: BlobPair, located: Located) -> Located:
+    """The lit top of a body and a flat part look the same."""
+    if located.reason:
+        return located
+    if located.fit is None:
+        return _refused(blobs, "flat") if shows_one_face(*blobs, rig) else located
+    sizes = located.fit.size_m
+    return _refused(blobs, "flat") if sizes.min() < _FLAT * sizes.max() else located
+
+
+def _longer(images: Images, outlines: tuple[Outline, Outline], blobs: BlobPair, fit: SolidFit) -> Supported | None:
+    """A longer solid that makes this one doubtful.
+
+    Seen from above, the end of a cylinder is as round as a ball, but its edge is sharp where a ball's light fades
+    towards its limb, most often: only a cylinder that is sure itself speaks against a ball.
+    """
+    if fit.kind != SPHERE.name:
+        return images.contradicts(fit.solid)
+    if min(float(np.median(blob.sharpness)) for blob in blobs) < _SHARP_LIMB:
+        return None
+    longer = images.contradicts(best_of_kind(outlines, images.rig, CYLINDER)[0])
+    return longer if longer is not None and longer.believable else None
+
+
+def _fades(blob: Blob) -> float:
+    return float((blob.sharpness < SHARP).mean())
+
+
+def _refused(blobs: BlobPair, reason: str) -> Located:
+    return Located(blobs[0].centroid_px, blobs[1].centroid_px, 1.0, None, reason)
+
+
+def _by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Located:
+    """The solid-angle centroids of the outlines, moved by what the solid says of perspective."""
+    left_px, right_px = (
+        centroid_px(blob.contour_px, camera) + (fit.perspective_shift_px(camera) if fit else 0.0)
+        for blob, camera in zip(blobs, (rig.left, rig.right))
+    )
+    rows_apart_px = float(left_px[1] - right_px[1])
+    variance = _EDGE_SIGMA_PX**2 + rows_apart_px**2 / 2
+    if fit is None:
+        variance += (_UNKNOWN_SHAPE * max(blob.rectangle[0] for blob in blobs)) ** 2
+    return Located(left_px, right_px, float(np.sqrt(variance)), fit)
+
+
+def _by_solid(rig: StereoRig, blobs: BlobPair, fit: SolidFit) -> Located:
+    """The images of the solid's centre; its covariance as the least sigma that covers it."""
+    left_px, right_px = fit.centre_px(rig.left), fit.centre_px(rig.right)
+    per_px2 = _covariance_per_px2(rig, fit.centre_m)
+    spread = float(np.linalg.eigvals(np.linalg.solve(per_px2, fit.covariance)).real.max())
+    return Located(left_px, right_px, float(np.sqrt(_EDGE_SIGMA_PX**2 + spread)), fit)
+
+
+def _covariance_per_px2(rig: StereoRig, centre_m: Floats) -> Floats:
+    """Covariance (3, 3) [m²] of a point whose image points are off by one sigma of one pixel each."""
+    x, y, z = centre_m
+    focal, baseline = rig.focal_px, rig.baseline_m
+    scale = z / (focal * baseline)
+    jacobian = np.array(
+        [
+            [(baseline - x) * scale, x * scale, 0.0, 0.0],
+            [-y * scale, y * scale, z / focal / 2, z / focal / 2],
+            [-z * scale, z * scale, 0.0, 0.0],
+        ]
+    )
+    return np.asarray(jacobian @ jacobian.T)

@@ -1,0 +1,64 @@
+"""Views that cannot show their objects, because they are too dark or saturated.
+
+Both reasons follow from what an object must do to be seen: differ from the background by a least contrast.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from stereo_pick.core.arrays import Image
+from stereo_pick.core.objects.blob import Blob
+from stereo_pick.core.objects.view import View
+
+CLIPPED = 254  # grey level: one less than the highest, because rectification interpolates
+
+_BLACK = 16.0  # the highest grey level that cameras give for no light at all (ITU-R BT.601)
+_BESIDE_PX = 4  # how far from the outline the background beside it is looked at
+_LOST = 0.1  # part of an object's pixels that may be clipped where its background is: small high lights
+
+
+def view_fault(view: View, blobs: Sequence[Blob], least_contrast: float) -> str:
+    """Why a view that shows no object may yet hold some: `too_dark`, `saturated`, or nothing.
+
+    too_dark: even what is wholly black would stand out from the background by less than least_contrast [grey
+    levels]. saturated: more than half of the view is as bright as it can get, and so would be brighter objects.
+    """
+    if any(blob.fault != "faint" for blob in blobs):
+        return ""
+    grey = view.smooth[view.inside]
+    if not grey.size:
+        return ""
+    level = float(np.median(grey))
+    if level >= CLIPPED:
+        return "saturated"
+    return "too_dark" if level - min(_BLACK, float(grey.min())) < least_contrast else ""
+
+
+def with_saturation(blobs: Sequence[Blob], image: Image) -> list[Blob]:
+    """Refuse the objects that are clipped and lie on a clipped background: parts of their outline cannot be seen."""
+    if not blobs or image.max() < CLIPPED:
+        return list(blobs)
+    return [replace(blob, fault="saturated") if _is_saturated(blob, image) else blob for blob in blobs]
+
+
+def _is_saturated(blob: Blob, image: Image) -> bool:
+    contour = np.round(blob.contour_px).astype(np.int32)
+    low = np.maximum(contour.min(axis=0) - _BESIDE_PX, 0)
+    high = contour.max(axis=0) + _BESIDE_PX + 1
+    window = image[low[1] : high[1], low[0] : high[0]]
+    filled = np.zeros(window.shape, np.uint8)
+    cv2.drawContours(filled, [contour - low], -1, 1, cv2.FILLED)
+    around = np.ones((2 * _BESIDE_PX + 1, 2 * _BESIDE_PX + 1), np.uint8)
+    beside = np.asarray(cv2.dilate(filled, around)) > np.asarray(cv2.dilate(filled, np.ones((3, 3), np.uint8)))
+    inside = window[np.asarray(cv2.erode(filled, np.ones((5, 5), np.uint8))) > 0]
+    return _clipped(window[beside]) > 0.5 and _clipped(inside) > _LOST
+
+
+def _clipped(grey: Image) -> float:
+    """The part of some pixels that is clipped."""
+    return float((grey >= CLIPPED).mean()) if grey.size else 0.0

@@ -1,0 +1,111 @@
+"""Solids that the edges in the images support, for objects whose outlines alone do not tell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats, Image
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.edge_map import EdgeMap
+from stereo_pick.core.shapes.evidence import centre_covariance
+from stereo_pick.core.shapes.fitting import NOISE_PX, Pair, best_of_kind
+from stereo_pick.core.shapes.growing import grown, is_longer
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE
+from stereo_pick.core.shapes.locking import Locked, lock
+from stereo_pick.core.shapes.sight import Solids
+from stereo_pick.core.shapes.solid_fit import SolidFit
+
+_SUPPORTED = 0.8  # part of the silhouette, in either view, that must lie on edges ...
+_SUPPORTED_GROWN = 0.7  # ... less where the new part alone was looked for and found
+_CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
+_RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
+_PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
+
+
+@dataclass(frozen=True, eq=False)
+class Supported:
+    """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges."""
+
+    fit: SolidFit
+    support: float
+    believable: bool
+
+    @property
+    def raises_doubt(self) -> bool:
+        """Whether there is so much to it that a shorter solid is doubtful."""
+        return self.believable or (self.support > _CONTRADICTED and _is_tight(self.fit.residual_px))
+
+
+class Images:
+    """What the two rectified views offer to support a solid."""
+
+    def __init__(self, pair: RectifiedPair) -> None:
+        self.rig: StereoRig = pair.rig
+        self.images: tuple[Image, Image] = (pair.left, pair.right)
+        self.maps = [EdgeMap.of(image, camera) for image, camera in zip(self.images, (pair.rig.left, pair.rig.right))]
+        self.eyes_m = np.array([[0.0, 0.0, 0.0], [pair.rig.baseline_m, 0.0, 0.0]])
+
+    def longer(self, solid: Solids) -> Supported | None:
+        """The solid stretched to further edges and brought onto them, or None where there are none."""
+        stretched = grown(solid, self.eyes_m, self.maps)
+        if stretched is None:
+            return None
+        longer = self.locked(stretched, _SUPPORTED_GROWN)
+        return longer if is_longer(longer.fit.solid, solid, self.rig.focal_px) else None
+
+    def locked(self, solid: Solids, enough: float = _SUPPORTED) -> Supported:
+        """The solid brought onto the edges next to its silhouette."""
+        return _supported(lock(solid, self.images, [view.noise for view in self.maps], self.rig), enough)
+
+    def best(self, pair: Pair) -> Supported | None:
+        """The solid with the most support among those that come near an object's outlines, and longer ones."""
+        found = [each for solid in self._near(pair) for each in self._with_longer(solid)]
+        believable = [each for each in found if each.believable]
+        return max(believable, key=lambda each: each.support, default=None)
+
+    def _near(self, pair: Pair) -> Iterator[Solids]:
+        for kind in (SPHERE, CYLINDER, BOX):
+            solid, misfit_px = best_of_kind(pair, self.rig, kind)
+            if misfit_px < _PLAUSIBLE_PX:
+                yield solid
+
+    def _with_longer(self, solid: Solids) -> list[Supported]:
+        """A longer solid with support makes the shorter one, a part of it, unbelievable."""
+        longer = self.longer(solid)
+        if longer is not None and longer.raises_doubt:
+            return [longer]
+        return [self.locked(solid)]
+
+    def contradicts(self, solid: Solids) -> Supported | None:
+        """A longer solid that has enough support to make this one doubtful, whether or not it is sure itself."""
+        longer = self.longer(solid)
+        return longer if longer is not None and longer.raises_doubt else None
+
+    def hides_a_side(self, pair: Pair) -> bool:
+        """Whether the edges around an object of unknown shape hint that its outlines show a part of it only."""
+        for kind in (CYLINDER, BOX):
+            longer = self.longer(best_of_kind(pair, self.rig, kind)[0])
+            if longer is not None and longer.raises_doubt:
+                return True
+        return False
+
+
+def _supported(locked: Locked, enough: float) -> Supported:
+    fit = locked.fit
+    residual = np.abs(fit.residual_px[fit.weight > 0])
+    median_px = float(np.median(residual)) if len(residual) else np.inf
+    support = float(locked.shown.min())
+    covariance: Floats = centre_covariance(fit, max(NOISE_PX, 1.5 * median_px))[0]
+    solids = fit.solids
+    result = SolidFit(
+        solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance
+    )
+    return Supported(result, support, support >= enough and _is_tight(median_px))
+
+
+def _is_tight(residual_px: float) -> bool:
+    return residual_px < _RESIDUAL * NOISE_PX
