@@ -52,7 +52,9 @@ class Contender:
 class DenseStereo(Method):
     """The median disparity that OpenCV finds inside each outline of the left view."""
 
-    matcher: str = parameter("bm", "OpenCV's block matching or semi-global matching.", choices=("bm", "sgbm"))
+    matcher: str = parameter(
+        "bm", "OpenCV's block matching or semi-global matching.", choices=("bm", "sgbm", "sgbm_3way")
+    )
 
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         """Return left centroids, and the right points at the objects' median disparity."""
@@ -93,8 +95,9 @@ class DenseStereo(Method):
         if self.matcher == "bm":
             return cv2.StereoBM.create(search_px, _BM_WINDOW_PX)
         area = _SGBM_WINDOW_PX**2
+        mode = cv2.STEREO_SGBM_MODE_SGBM if self.matcher == "sgbm" else cv2.STEREO_SGBM_MODE_SGBM_3WAY
         return cv2.StereoSGBM.create(
-            0, search_px, _SGBM_WINDOW_PX, P1=8 * area, P2=32 * area, disp12MaxDiff=1, uniquenessRatio=10
+            0, search_px, _SGBM_WINDOW_PX, P1=8 * area, P2=32 * area, disp12MaxDiff=1, uniquenessRatio=10, mode=mode
         )
 
 

@@ -38,14 +38,18 @@ class Steps:
     triangulator: Triangulator = field(default_factory=Triangulator)
 
     def correspond(self, pair: RectifiedPair) -> tuple[Blobs, Correspondences]:
-        """Find the objects and match them; refuses all where a view cannot show them or misfits the calibration."""
+        """Find the objects and match them."""
         blobs = self.detector.detect(pair)
+        return blobs, self.matched(pair, blobs)
+
+    def matched(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
+        """Match the objects found; refuses all where a view cannot show them or misfits the calibration."""
         if any(blobs.view_faults):
-            return blobs, collect([], unseen(blobs, pair))
+            return collect([], unseen(blobs, pair))
         fault = rig_fault(blobs, pair.rig)
         if fault:
-            return blobs, collect([], [Refusal(fault, blob.centroid_px, None) for blob in blobs.sound()[0]])
-        return blobs, self.method.match(pair, blobs)
+            return collect([], [Refusal(fault, blob.centroid_px, None) for blob in blobs.sound()[0]])
+        return self.method.match(pair, blobs)
 
     def locate(self, correspondences: Correspondences, rig: StereoRig, stamp_ns: int) -> ObjectPoses:
         """Triangulate what was matched."""
