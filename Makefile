@@ -29,6 +29,7 @@ check: setup ## lint, format and types
 bench: setup ## print the figures that the docs quote
 	$(CLEAN_ENV) $(BIN)/python benchmark/accuracy.py
 	$(CLEAN_ENV) $(BIN)/python benchmark/thesis_tables.py
+	$(CLEAN_ENV) $(BIN)/python benchmark/speed.py
 
 docs: setup ## bring the generated files up to date: docs/parameters.md and config/stereo_pick.yaml
 	$(CLEAN_ENV) $(BIN)/stereo-pick parameters > docs/parameters.md

@@ -19,6 +19,8 @@ from stereo_pick.core.pipeline import Steps
 
 OURS, FLOOR = "`feature`", "floor: twice (threshold and `findContours`)"
 
+_SEMI_GLOBAL_PX = 1920 * 1080  # on larger images it takes minutes
+
 
 @dataclass(frozen=True)
 class Way:
@@ -33,6 +35,10 @@ def ways(pair: RectifiedPair) -> list[Way]:
     labels, contours = thesis_program.by_labels, thesis_program.by_contours
     near, far = WORKING_DEPTH_M
     dense = partial(DenseStereo, min_depth_m=near, max_depth_m=far)
+    semi_global = [
+        Way("SGBM 3-way and outlines", {"all": _package(dense(matcher="sgbm_3way"))}),
+        Way("SGBM and outlines", {"all": _package(dense(matcher="sgbm"))}),
+    ]
     return [
         Way(FLOOR, {"all": partial(_floor, (_otsu(pair.left), _otsu(pair.right)))}),
         Way(OURS, _stepwise(Steps())),
@@ -42,8 +48,7 @@ def ways(pair: RectifiedPair) -> list[Way]:
         Way("thesis: modified SSD", {"all": partial(thesis_program.modified_ssd, labels)}),
         Way("thesis: modified SSD, from contours alone", {"all": partial(thesis_program.modified_ssd, contours)}),
         Way("StereoBM and outlines", {"all": _package(dense(matcher="bm"))}),
-        Way("SGBM 3-way and outlines", {"all": _package(dense(matcher="sgbm_3way"))}),
-        Way("SGBM and outlines", {"all": _package(dense(matcher="sgbm"))}),
+        *(semi_global if pair.left.size <= _SEMI_GLOBAL_PX else ()),
     ]
 
 

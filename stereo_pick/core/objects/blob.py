@@ -42,11 +42,11 @@ class Blob:
     @cached_property
     def centroid_px(self) -> Floats:
         """Centre of gravity (2,) of the area inside the contour (Green's theorem) [px]."""
-        origin = self.contour_px.mean(axis=0)
-        here = self.contour_px - origin
-        ahead = np.concatenate([here[1:], here[:1]])
-        cross = here[:, 0] * ahead[:, 1] - ahead[:, 0] * here[:, 1]
-        return np.asarray(origin + ((here + ahead) * cross[:, None]).sum(axis=0) / (3 * cross.sum()))
+        origin = self.contour_px[0]  # large coordinates cost digits
+        x, y = (np.concatenate([self.contour_px, self.contour_px[:1]]) - origin).T
+        cross = x[:-1] * y[1:] - x[1:] * y[:-1]
+        first = np.array([(x[:-1] + x[1:]) @ cross, (y[:-1] + y[1:]) @ cross])
+        return np.asarray(origin + first / (3 * cross.sum()))
 
     @cached_property
     def rows_px(self) -> tuple[float, float]:

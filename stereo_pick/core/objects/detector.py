@@ -90,11 +90,12 @@ class Detector(Configurable):
 
     def _clearer(self, left: Contrast, right: Contrast) -> Blobs:
         """The reading of more contrast energy; the one that promises less is left out where it can't win."""
-        promise = {polarity: left.energy(polarity) + right.energy(polarity) for polarity in ("bright", "dark")}
-        likely, other = sorted(promise, key=lambda polarity: -promise[polarity])
+        one, other = left.energies(), right.energies()
+        promise = {polarity: one[polarity] + other[polarity] for polarity in one}
+        likely, unlikely = sorted(promise, key=lambda polarity: -promise[polarity])
         readings = {likely: self._read(left, right, likely)}
-        if _contrast_energy(readings[likely]) <= _SAFE_LEAD * promise[other]:
-            readings[other] = self._read(left, right, other)
+        if _contrast_energy(readings[likely]) <= _SAFE_LEAD * promise[unlikely]:
+            readings[unlikely] = self._read(left, right, unlikely)
         return max((readings[polarity] for polarity in sorted(readings)), key=_contrast_energy)
 
     def _read(self, left: Contrast, right: Contrast, polarity: str) -> Blobs:

@@ -42,12 +42,12 @@ class Contrast:
         grey, level = self.view.smooth[window], self.background.at(window)
         return grey - level if polarity == "bright" else level - grey
 
-    def energy(self, polarity: str) -> float:
-        """About the sum of the excess² of all pixels that may belong to objects, from a grid of them."""
+    def energies(self) -> dict[str, float]:
+        """For each polarity about the sum of the excess² of all pixels that may belong to objects, from a grid."""
         window = np.s_[::_GRID_PX, ::_GRID_PX]
-        excess = self.excess(polarity, window)[self.view.inside[window]]
-        excess = excess[excess > self.threshold(polarity)]
-        return float(excess @ excess) * _GRID_PX**2
+        excess = self.excess("bright", window)[self.view.inside[window]]
+        bright, dark = excess[excess > self.bright_threshold], excess[excess < -self.dark_threshold]
+        return {"bright": float(bright @ bright) * _GRID_PX**2, "dark": float(dark @ dark) * _GRID_PX**2}
 
 
 @dataclass(frozen=True, eq=False)
