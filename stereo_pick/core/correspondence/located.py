@@ -16,6 +16,7 @@ from stereo_pick.core.correspondence.one_face import shows_one_face
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.shadow import SHARP
+from stereo_pick.core.objects.splitting import CUT
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solids
 from stereo_pick.core.shapes.fitting import best_of_kind, can_be_fitted
@@ -24,10 +25,12 @@ from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 
 _EDGE_SIGMA_PX = 0.08
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
-_MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
+_MAY_FADE_UNEXPLAINED = 0.12  # ... and where the outline is all that is known
+_MAY_BE_CUT = 0.25
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _SHARP_LIMB = 0.75
+_SURELY_SHARP = 0.5
 _FLAT = 0.08  # thickness by length
 
 BlobPair = tuple[Blob, Blob]
@@ -69,12 +72,15 @@ def _locate(
         longer = _longer(images, outlines, blobs, fit)
         if longer is not None:
             return _by_solid(images.rig, blobs, longer.fit) if longer.believable else _refused(blobs, "half_lit")
-        complete = fading <= _COMPLETE
+        complete = max(fading, *(_cut(blob) for blob in blobs)) <= _COMPLETE
         return _by_outlines(images.rig, blobs, fit) if complete else _by_solid(images.rig, blobs, fit)
-    best = images.best(outlines) if can_be_fitted(outlines) else None
+    strictly = tuple(Outline.from_contour(blob.contour_px, blob.sharpness >= _SURELY_SHARP) for blob in blobs)
+    best = images.best([each for each in (outlines, (strictly[0], strictly[1])) if can_be_fitted(each)])
     if best is not None:
         return _by_solid(images.rig, blobs, best.fit)
     if notched:
+        return _refused(blobs, "merged")
+    if max(_cut(blob) for blob in blobs) > _MAY_BE_CUT:
         return _refused(blobs, "merged")
     if fading > _MAY_FADE_UNEXPLAINED or (can_be_fitted(outlines) and images.hides_a_side(outlines)):
         return _refused(blobs, "half_lit")
@@ -106,7 +112,11 @@ def _longer(images: Images, outlines: tuple[Outline, Outline], blobs: BlobPair, 
 
 
 def _fades(blob: Blob) -> float:
-    return float((blob.sharpness < SHARP).mean())
+    return float((blob.sharpness < SHARP)[blob.sharpness > CUT].mean())
+
+
+def _cut(blob: Blob) -> float:
+    return float((blob.sharpness <= CUT).mean())
 
 
 def _refused(blobs: BlobPair, reason: str) -> Located:

@@ -19,7 +19,8 @@ class Blob:
     contour_px: (N, 2) [px], sub-pixel, pixel centres at whole numbers; contrast: grey levels by
     which the object differs from its background; cut: whether the image border cuts it off;
     fault: why it must not be matched, a reason of `refusal.REASONS`, or empty; sharpness: (N,), how much of the
-    change of light at each contour point is a step (see `edge_model`), or (0,) where that was not measured.
+    change of light at each contour point is a step (see `edge_model`; on a cut see `splitting`), or (0,) where that
+    was not measured.
     """
 
     contour_px: Floats

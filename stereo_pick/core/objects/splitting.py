@@ -14,6 +14,9 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.objects.blob import Blob
 
+CUT = -1.0
+"""Sharpness of contour points where there is no edge, but a cut."""
+
 _MIN_NOTCH = 0.25  # of the deepest one: shallower notches are not where a cut begins
 _BEGINNINGS = 4
 _ENDS = 60  # points of the outline at which a cut may end
@@ -26,7 +29,7 @@ _MAX_PARTS = 6
 def split(blob: Blob, max_concavity: float) -> list[Blob]:
     """The convex parts of a blob with notches, or the blob itself where cuts from notch to notch explain no notch.
 
-    The points of a part's contour that lie on a cut are not on an edge of the object: their sharpness is 0.
+    The points of a part's contour that lie on a cut are not on an edge of the object: their sharpness is CUT.
     """
     if blob.concavity <= max_concavity or not len(blob.sharpness):
         return [blob]
@@ -89,7 +92,7 @@ def _part(blob: Blob, arc: Ints) -> Blob:
     gap = contour[0] - contour[-1]
     steps = max(int(np.linalg.norm(gap)), 1)
     cut = contour[-1] + np.arange(1, steps)[:, None] / steps * gap
-    return replace(blob, contour_px=np.concatenate([contour, cut]), sharpness=np.r_[sharpness, np.zeros(len(cut))])
+    return replace(blob, contour_px=np.concatenate([contour, cut]), sharpness=np.r_[sharpness, np.full(len(cut), CUT)])
 
 
 def _arc(first: int, last: int, count: int) -> Ints:

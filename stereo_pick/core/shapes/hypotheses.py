@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.edge_map import EdgeMap
-from stereo_pick.core.shapes.evidence import centre_covariance
+from stereo_pick.core.shapes.evidence import centre_covariance, determined
 from stereo_pick.core.shapes.fitting import NOISE_PX, Pair, best_of_kind
 from stereo_pick.core.shapes.growing import grown, is_longer
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE
@@ -19,8 +19,8 @@ from stereo_pick.core.shapes.locking import Locked, lock
 from stereo_pick.core.shapes.sight import Solids
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
-_SUPPORTED = 0.8  # part of the silhouette, in either view, that must lie on edges ...
-_SUPPORTED_GROWN = 0.7  # ... less where the new part alone was looked for and found
+_SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
+_PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a median
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
 _RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
 _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
@@ -54,16 +54,19 @@ class Images:
         stretched = grown(solid, self.eyes_m, self.maps)
         if stretched is None:
             return None
-        longer = self.locked(stretched, _SUPPORTED_GROWN)
+        longer = self.locked(stretched)
         return longer if is_longer(longer.fit.solid, solid, self.rig.focal_px) else None
 
-    def locked(self, solid: Solids, enough: float = _SUPPORTED) -> Supported:
+    def locked(self, solid: Solids) -> Supported:
         """The solid brought onto the edges next to its silhouette."""
-        return _supported(lock(solid, self.images, [view.noise for view in self.maps], self.rig), enough)
+        return _supported(lock(solid, self.images, [view.noise for view in self.maps], self.rig))
 
-    def best(self, pair: Pair) -> Supported | None:
-        """The solid with the most support among those that come near an object's outlines, and longer ones."""
-        found = [each for solid in self._near(pair) for each in self._with_longer(solid)]
+    def best(self, readings: Sequence[Pair]) -> Supported | None:
+        """The solid with the most support among those that come near an object's outlines, and longer ones.
+
+        readings: the same outlines, trusted to different extents.
+        """
+        found = [each for pair in readings for solid in self._near(pair) for each in self._with_longer(solid)]
         believable = [each for each in found if each.believable]
         return max(believable, key=lambda each: each.support, default=None)
 
@@ -94,7 +97,7 @@ class Images:
         return False
 
 
-def _supported(locked: Locked, enough: float) -> Supported:
+def _supported(locked: Locked) -> Supported:
     fit = locked.fit
     residual = np.abs(fit.residual_px[fit.weight > 0])
     median_px = float(np.median(residual)) if len(residual) else np.inf
@@ -104,7 +107,9 @@ def _supported(locked: Locked, enough: float) -> Supported:
     result = SolidFit(
         solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance
     )
-    return Supported(result, support, support >= enough and _is_tight(median_px))
+    enough = support >= _SUPPORTED + _PER_PX * max(0.0, median_px - NOISE_PX)
+    fixed = bool(determined(fit, covariance[None])[0])
+    return Supported(result, support, enough and fixed and _is_tight(median_px))
 
 
 def _is_tight(residual_px: float) -> bool:
