@@ -1,0 +1,93 @@
+"""Solids brought onto the edges near them, and what of them the edges support."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from rendered_solids import centre_m, rectified, solid_of
+from rendering import Box, Cylinder, Scene, Solid, Sphere
+from rendering.rigs import table_before
+from rigs import RIGS, rotation
+
+from stereo_pick.core.shapes.edge_map import EdgeMap
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.locking import Locked, lock
+from stereo_pick.core.shapes.sight import Solids
+
+RIG = RIGS["thesis"]
+TABLE = table_before(RIG, 0.9, elevation_deg=50)
+PARTS: dict[str, Solid] = {
+    "standing": Cylinder(-0.07, 0.0, (0.04, 0.04, 0.05)),
+    "box": Box(0.05, 0.0, (0.05, 0.036, 0.045), yaw_rad=0.4),
+    "sphere": Sphere(0.0, 0.07, (0.04, 0.04, 0.04)),
+    "lying": Cylinder(0.0, -0.06, (0.03, 0.03, 0.06), yaw_rad=0.5, lying=True),
+}
+SCENE = Scene(tuple(PARTS.values()), TABLE, ambient=0.7)
+TRIALS = 12
+
+
+@cache
+def images(empty: bool = False) -> Images:
+    return Images(rectified(RIG, Scene((), TABLE) if empty else SCENE))
+
+
+def locked(solid: Solids, seen: Images) -> Locked:
+    return lock(solid, seen.images, [view.noise for view in seen.maps], RIG)
+
+
+def moved(part: Solid, random: np.random.Generator, off_m: float, off_deg: float) -> Solids:
+    axis, shift = random.normal(size=(2, 3))
+    turned = rotation(axis * np.deg2rad(off_deg) / np.linalg.norm(axis))
+    solid = solid_of(RIG, SCENE, part, turned=turned)
+    return replace(solid, centre_m=solid.centre_m + shift * off_m / np.linalg.norm(shift))
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_from_2_mm_and_2_degrees_off_the_truth_is_found(name: str) -> None:
+    """A start from which it is not found has less support than any from which it is."""
+    random, truth = np.random.default_rng(1), centre_m(RIG, SCENE, PARTS[name])
+    found = [locked(moved(PARTS[name], random, 2e-3, 2.0), images()) for _ in range(TRIALS)]
+    off_m = np.array([np.linalg.norm(each.fit.solids.centre_m[0] - truth) for each in found])
+    shown = np.array([each.shown.min() for each in found])
+    assert (off_m < 3e-4).sum() >= 0.75 * TRIALS
+    assert (shown[off_m < 3e-4] > 0.95).all() and (shown[off_m >= 3e-4] < 0.9).all()
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_where_there_is_no_object_there_is_no_support(name: str) -> None:
+    solid = solid_of(RIG, SCENE, PARTS[name])
+    assert locked(solid, images(empty=True)).shown.min() < 0.4
+    away = RIG.left.R @ TABLE.rotation @ np.array([0.03, 0.03, 0.0])
+    beside = images().locked(replace(solid, centre_m=solid.centre_m + away))
+    assert beside.support < 0.4 and not beside.believable and not beside.raises_doubt
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_only_a_solid_on_edges_all_around_is_believable(name: str) -> None:
+    solid, seen = solid_of(RIG, SCENE, PARTS[name]), images()
+    true = seen.locked(solid)
+    assert true.believable and true.raises_doubt and true.support > 0.95
+    assert not seen.locked(solid, enough=1.01).believable
+    larger = seen.locked(replace(solid, half_m=1.5 * solid.half_m))
+    assert not larger.believable and larger.support < true.support
+
+
+@pytest.mark.parametrize("contrast", [8.0, -8.0])
+def test_edges_of_either_sign_count_across_their_normal_only(contrast: float) -> None:
+    image = np.full((480, 640), 90, np.uint8)
+    image[:, 300:] = 90 + contrast
+    edges = EdgeMap.of(image, RIG.left)
+    rows = np.arange(100.0, 140.0)
+    across, along = np.tile([1.0, 0.0], (40, 1)), np.tile([0.0, 1.0], (40, 1))
+    on, beside = np.c_[np.full(40, 299.5), rows], np.c_[np.full(40, 320.0), rows]
+    assert edges.shows(on, across).all()
+    assert not edges.shows(on, along).any() and not edges.shows(beside, across).any()
+
+
+def test_noise_is_no_edge() -> None:
+    image = np.clip(np.random.default_rng(3).normal(90, 2, (480, 640)).round(), 0, 255).astype(np.uint8)
+    points = np.random.default_rng(4).uniform(20, 400, (4000, 2))
+    assert EdgeMap.of(image, RIG.left).shows(points, np.tile([0.6, 0.8], (4000, 1))).mean() < 0.01

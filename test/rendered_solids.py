@@ -1,0 +1,51 @@
+"""Rendered parts as the solids that they are, in the rectified left frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from rendering import Lamp, Scene, Sensor, Solid, render
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.rectification import Rectifier
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.kinds import KINDS
+from stereo_pick.core.shapes.sight import Solids
+from stereo_pick.core.transform import Transform
+
+FROM_ABOVE = Lamp((0.0, 0.0, 1.0))
+
+
+def half_lit_scene(parts: Sequence[Solid], left_T_table: Transform, sides: float) -> Scene:
+    """White parts with bright tops, the sides of which differ from the table by so much light (1 is white)."""
+    table, albedo = 0.2, parts[0].albedo
+    return Scene(tuple(parts), left_T_table, table, lamps=(FROM_ABOVE,), ambient=(table + sides) / albedo)
+
+
+def rectified(rig: StereoRig, scene: Scene, noise_dn: float = 1.0, seed: int = 0) -> RectifiedPair:
+    sensor = Sensor(noise_dn=noise_dn)
+    return Rectifier(rig).rectify(render(rig, scene, sensor, sensor, seed))
+
+
+def centre_m(rig: StereoRig, scene: Scene, part: Solid) -> Floats:
+    return np.asarray(rig.left.R @ scene.left_T_table.apply(part.centre_m))
+
+
+def solid_of(
+    rig: StereoRig, scene: Scene, part: Solid, height_m: float | None = None, turned: Floats | None = None
+) -> Solids:
+    """The part as a solid (S = 1) that may be turned; with height_m, only so much of it below its top.
+
+    turned: (3, 3), a rotation of it about its own axes.
+    """
+    kind = KINDS[type(part).__name__.lower()]
+    to_rectified = rig.left.R @ scene.left_T_table.rotation
+    size, centre = np.array(part.size_m), centre_m(rig, scene, part)
+    if height_m is not None:
+        centre = centre + to_rectified[:, 2] * (part.height_m - height_m) / 2
+        size[0 if part.lying else 2] = height_m
+    half = np.array([[size[kind.axes.index(i)] / 2 for i in range(kind.sizes)]])
+    axes = to_rectified @ part.axes @ (np.eye(3) if turned is None else turned)
+    return Solids(kind, centre[None], axes[None], half, np.eye(3)[None][:, :, list(kind.turns)])
