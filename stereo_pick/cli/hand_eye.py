@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.camera import Camera
@@ -64,7 +64,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         help="the rig's calibration: needed where FILE names images; its hash goes into the result, which then is "
         "refused beside any other calibration",
     )
-    parser.add_argument("--board", metavar="COLSxROWS", help="INNER corners of the board in the images: 9x6")
+    parser.add_argument("--board", metavar="BOARD", help="the board in the images: as at `calibrate`")
     parser.add_argument("--square", type=float, metavar="METRES", help="side of one square in metres")
     parser.add_argument(
         "--output", type=Path, metavar="FILE", help="default: base_T_camera.yaml, or flange_T_camera.yaml"
@@ -114,12 +114,12 @@ def _from_pairs(recording: RecordedPairs, args: argparse.Namespace, rig: StereoR
         return solve_hand_eye(views, recording.mount)
     if rig is None or args.board is None or args.square is None:
         raise CalibrationError("it names images: give --calibration, --board and --square to find the board in them")
-    camera, board = rig.left, Chessboard.parse(args.board, args.square)
+    camera, board = rig.left, parse_board(args.board, args.square)
     views = [_view(pair, camera, board) for pair in recording.pairs]
     return solve_hand_eye(settle_turns(views, board, recording.mount), recording.mount)
 
 
-def _view(pair: RecordedPair, camera: Camera | None, board: Chessboard | None) -> RobotView:
+def _view(pair: RecordedPair, camera: Camera | None, board: Board | None) -> RobotView:
     pose = pair.camera_T_board
     if pair.image is not None and camera is not None and board is not None:
         try:

@@ -12,6 +12,7 @@ from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.refinement import StereoSolution, refine
 from stereo_pick.core.calibration.views import MIN_VIEWS, BoardView
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.rays import closest_points
 from stereo_pick.core.transform import Transform
 
@@ -61,14 +62,22 @@ def typical_epipolar_px(
 ) -> float | None:
     """Rms epipolar error [px] in the median view of those that took no part; None for too few views.
 
-    measured: the corners to measure on in each of the views; they may be more than were calibrated with.
+    measured: the corners to measure on in each of the views; they may be more than were calibrated with. A view
+    without a corner that both images show says nothing.
     """
-    errors_px = [
-        float(np.sqrt(np.mean(epipolar_px(cameras, measured[i]) ** 2)))
-        for cameras, held in _folds(board, views, solution)
-        for i in held
-    ]
+    of_views = [epipolar_px(cameras, measured[i]) for cameras, held in _folds(board, views, solution) for i in held]
+    errors_px = [np.sqrt(np.mean(of_view**2)) for of_view in of_views if len(of_view)]
     return float(np.median(errors_px)) if errors_px else None
+
+
+def check_in_common(views: Sequence[BoardView], board: Board) -> None:
+    """Raise CalibrationError where no view shows both cameras the same part of the board: nothing could be measured."""
+    if any(_ends_of_lines(view.in_both(), board).size for view in views):
+        return
+    raise CalibrationError(
+        f"none of {len(views)} pairs shows two corners of one row or column of the board in both images, so nothing "
+        "tells how well the cameras fit together; take pairs in which both cameras see the same part of the board"
+    )
 
 
 def _folds(board: Board, views: Sequence[BoardView], solution: StereoSolution) -> Iterator[tuple[Cameras, list[int]]]:
@@ -106,11 +115,15 @@ def length_errors_m(cameras: Cameras, view: BoardView, board: Board) -> Floats:
     sides = (left, view.left_px), (right, view.right_px)
     rays = [np.c_[camera.normalized(px), np.ones(len(px))] for camera, px in sides]
     on_left, on_right = closest_points(rays[0], rays[1], right_T_left)
-    xyz, (seen, _) = (on_left + on_right) / 2, view.seen
-    truth, lines = board.object_points()[seen], np.divmod(seen, board.grid[0])
-    first, last = np.concatenate([_ends(line) for line in lines], axis=1)
+    xyz, (truth, _) = (on_left + on_right) / 2, view.points(board)
+    first, last = _ends_of_lines(view, board)
     lengths, true_lengths = (np.linalg.norm(points[last] - points[first], axis=1) for points in (xyz, truth))
     return np.asarray(lengths - true_lengths)
+
+
+def _ends_of_lines(view: BoardView, board: Board) -> Ints:
+    """Places (2, L) in a view of the first and the last corner of each row and of each column; view: `in_both`."""
+    return np.concatenate([_ends(line) for line in np.divmod(view.seen[0], board.grid[0])], axis=1)
 
 
 def _ends(lines: Ints) -> Ints:

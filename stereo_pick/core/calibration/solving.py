@@ -10,7 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.distortion import supported
-from stereo_pick.core.calibration.held_out import typical_epipolar_px
+from stereo_pick.core.calibration.held_out import check_in_common, typical_epipolar_px
 from stereo_pick.core.calibration.mirrored import agree_unless_mirrored
 from stereo_pick.core.calibration.mono import MonoCalibration, calibrate_cameras
 from stereo_pick.core.calibration.outliers import refine_without_outliers, without_gross
@@ -46,6 +46,7 @@ def calibrate(
     used, rejected = without_gross(consensus, rejected)
     usual, used, rejected = refine_without_outliers(board, consensus, used, rejected, left, right)
     left, right, pairs = left.only(used), right.only(used), [consensus.views[i] for i in used]
+    check_in_common(pairs, board)
     solution = supported(usual, lambda model: refine(board, pairs, usual.cameras, usual.poses, model))
     _check(solution, left)
     names = {view.name for view in pairs}

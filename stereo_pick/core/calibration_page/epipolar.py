@@ -27,9 +27,8 @@ _YELLOW = "#ffe45c"
 def epipolar_section(rig: StereoRig, view: BoardView, images: BoardImages) -> Markup:
     """The rectified pair with lines through some corners of the left image, and by how much their partners miss them.
 
-    view: the corners of these images.
+    view: the corners that both of these images show, at least one.
     """
-    view = view.in_both()
     left_px, right_px = rig.left.rectified(view.left_px), rig.right.rectified(view.right_px)
     differences_px = right_px[:, 1] - left_px[:, 1]
     shown = spread(left_px[:, 1], rig.left.height_px / (2 * _LINES))

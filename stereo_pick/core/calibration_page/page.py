@@ -32,7 +32,8 @@ def calibration_page(
 ) -> str:
     """The page of a calibration, whatever its verdict.
 
-    example: the images of `typical_view(result)`, for the epipolar lines; without them that part is left out.
+    example: the images of `typical_view(result)`, for the epipolar lines; without them, or where they show no corner
+    in common, that part is left out.
     """
     parts = [
         verdict_box(verdict, warnings),
@@ -45,8 +46,9 @@ def calibration_page(
         arrows_section(result),
         rig_section(result),
     ]
-    if example is not None:
-        parts.append(epipolar_section(result.rig, typical_view(result), example))
+    view = typical_view(result).in_both()
+    if example is not None and len(view.left_px):
+        parts.append(epipolar_section(result.rig, view, example))
     return _page(parts)
 
 

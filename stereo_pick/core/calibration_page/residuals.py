@@ -17,14 +17,14 @@ _BAR = 100.0
 
 
 def views_section(result: CalibrationResult) -> Markup:
-    """Every pair: how well it fits, or why it was left out."""
+    """Every pair: how well it fits, or why it was left out; and the single corners that were left out."""
     longest_px = max(max(view.left_px, view.right_px) for view in result.used)
     rows = [
         _row(view.name, f"used, view {i + 1}", view.left_px, view.right_px, longest_px)
         for i, view in enumerate(result.used)
     ]
     note = f"Rms distance of a pair's corners from where the result puts them. A full bar is {longest_px:.3f} px."
-    return section("Pairs", element("p", note), _table(rows, result.rejected))
+    return section("Pairs", element("p", note), _table(rows, result.rejected), *_rejected_corners(result))
 
 
 def rejected_table(rejected: Sequence[RejectedView]) -> Markup:
@@ -63,6 +63,14 @@ def _table(rows: Sequence[Markup], rejected: Sequence[RejectedView]) -> Markup:
     ]
     head = ("pair", "state", "left px", "right px", "left (filled) and right (outlined)")
     return table_of("Pairs used and left out", head, [*rows, *out])
+
+
+def _rejected_corners(result: CalibrationResult) -> list[Markup]:
+    """The corners that were left out of pairs that stay; nothing where there are none."""
+    if not result.rejected_corners:
+        return []
+    items = (element("li", corner.describe(result.board)) for corner in result.rejected_corners)
+    return [element("p", f"Single corners left out: {len(result.rejected_corners)}"), element("ul", *items)]
 
 
 def _row(name: str, state: str, left_px: float, right_px: float, longest_px: float) -> Markup:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stereo_pick.core.calibration.any_board import Board
+from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.verdict import Verdict, Word
 from stereo_pick.core.calibration_page.markup import Markup, element, section, table
@@ -39,6 +40,7 @@ def summary_section(result: CalibrationResult) -> Markup:
         ("lens model", f"distortion {result.solution.model.value}"),
         ("baseline", f"{result.rig.baseline_m * 1000:.3f} ± {result.baseline_sigma_m * 1000:.3f} mm"),
         ("angle between the cameras", f"{result.rotation_deg:.3f} deg"),
+        ("calibration hash", calibration_hash(result.rig)),
     ]
     return section("What was calibrated", table("The rig in short, ± one sigma", ("", "value"), rows))
 

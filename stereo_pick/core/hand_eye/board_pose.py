@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Image
+from stereo_pick.core.arrays import Image
+from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.boards import Chessboard
-from stereo_pick.core.calibration.corners import DETECTORS
+from stereo_pick.core.calibration.detectors import SeenCorners, finders
 from stereo_pick.core.calibration.parameters import transform
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError
@@ -23,27 +24,29 @@ MAX_RMS_PX = 2.0
 _MAX_ROUNDS = 5
 
 
-def camera_T_board(picture: Image, camera: Camera, board: Chessboard) -> Transform:
+def camera_T_board(picture: Image, camera: Camera, board: Board) -> Transform:
     """The board's pose [m] in the camera's raw optical frame, up to the board's turns onto itself.
 
     picture: (H, W) uint8, raw. Raises CalibrationError where the image has another size than the calibration, or
-    holds no such board.
+    does not show enough of the board.
     """
     if picture.shape != (camera.height_px, camera.width_px):
         raise CalibrationError(
             f"the image is {picture.shape[1]} x {picture.shape[0]}, the {camera.name} camera was calibrated at "
             f"{camera.width_px} x {camera.height_px}"
         )
-    corners = [found for detector in DETECTORS.values() if (found := detector(picture, board)) is not None]
+    corners = [found for find in finders(board).values() if (found := find(picture)) is not None]
+    corners = [found for found in corners if isinstance(board, Chessboard) or board.spans_plane(found.seen)]
     if not corners:
-        raise CalibrationError(f"no {board} board found: show the whole board, lit evenly")
+        shown = "the whole board" if board.needs_all_corners else "at least 6 corners of the board, in two rows"
+        raise CalibrationError(f"no {board} board found: show {shown}, lit evenly")
     rms_px, pose = min((_pose(each, camera, board) for each in corners), key=lambda each: each[0])
     if rms_px > MAX_RMS_PX:
         raise CalibrationError(f"the board's corners miss the calibrated camera's by {rms_px:.1f} px: another camera?")
     return pose
 
 
-def settle_turns(views: Sequence[RobotView], board: Chessboard, mount: Mount) -> list[RobotView]:
+def settle_turns(views: Sequence[RobotView], board: Board, mount: Mount) -> list[RobotView]:
     """The views with the board the same way round in all: a detector may start at either end of it.
 
     Begins with the turns whose angles suit the robot's, and corrects them by the residuals until none changes.
@@ -61,11 +64,11 @@ def settle_turns(views: Sequence[RobotView], board: Chessboard, mount: Mount) ->
     return settled
 
 
-def _pose(corners_px: Floats, camera: Camera, board: Chessboard) -> tuple[float, Transform]:
-    points, rays = board.object_points(), camera.normalized(corners_px)
+def _pose(corners: SeenCorners, camera: Camera, board: Board) -> tuple[float, Transform]:
+    points, rays = board.object_points()[corners.seen], camera.normalized(corners.px)
     _, rvec, tvec = cv2.solvePnP(points, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE)
     pose = transform(*cv2.solvePnPRefineLM(points, rays, np.eye(3), None, rvec, tvec))
-    misses = camera.project(pose.apply(points)) - corners_px
+    misses = camera.project(pose.apply(points)) - corners.px
     return float(np.sqrt((misses**2).sum(axis=1).mean())), pose
 
 

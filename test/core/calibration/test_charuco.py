@@ -18,7 +18,7 @@ from stereo_pick.core.calibration.detectors import SeenCorners, board_view, find
 from stereo_pick.core.calibration.parameters import DistortionModel, rig_vector
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.solving import calibrate, calibrate_best
-from stereo_pick.core.calibration.views import BoardView, RejectedView
+from stereo_pick.core.calibration.views import BoardView, Detections, RejectedView
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ArrayError, CalibrationError, ParameterError
 from stereo_pick.core.transform import Transform
@@ -249,6 +249,28 @@ def test_held_out_errors_are_those_of_the_corners_that_both_images_show() -> Non
     assert len(held_out.epipolar_px) == sum(len(np.intersect1d(*view.seen)) for view in result.views)
     assert held_out.epipolar_rms_px == pytest.approx(0.1 * np.sqrt(2), rel=0.3)
     assert 0 < held_out.length_rms_m < 0.001
+
+
+def apart(view: BoardView) -> BoardView:
+    """The board's first half in the left image, the rest of it in the right one."""
+    left, right = view.seen
+    return view.keep(left < BOARD.corner_count // 2, right >= BOARD.corner_count // 2)
+
+
+def test_images_that_never_show_the_same_part_of_a_board_are_refused() -> None:
+    views = [apart(view) for view in exact_views(8, noise_px=0.1, share=1.0)]
+    with pytest.raises(CalibrationError, match="none of 8 pairs shows two corners of one row or column"):
+        calibrate(views, SIZE_PX, BOARD)
+
+
+def test_a_view_that_shows_no_corner_twice_is_left_out_of_the_held_out_errors_only() -> None:
+    views = exact_views(8, noise_px=0.1, share=1.0)
+    found = Detections("given", SIZE_PX, (apart(views[0]), *views[1:]), ())
+    result = calibrate_best([found, found], BOARD)
+    assert len(result.views) == 8
+    assert result.held_out is not None
+    assert len(result.held_out.epipolar_px) == 7 * BOARD.corner_count
+    assert result.held_out.epipolar_rms_px < 0.3 and result.held_out.length_rms_m < 0.001
 
 
 def test_corners_that_only_one_image_shows_count_too() -> None:

@@ -12,12 +12,14 @@ import pytest
 from page_reading import Nesting, drawings, parsed, references, tables, words
 from simulated_views import BOARD, RIG, SIZE_PX, make_views
 
+from stereo_pick.core.calibration.charuco import CharucoBoard
 from stereo_pick.core.calibration.detection import BoardImages
+from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.calibration.parameters import NAMES
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.solving import calibrate
 from stereo_pick.core.calibration.verdict import Verdict, Word, judge
-from stereo_pick.core.calibration.views import BoardView, Detections, RejectedView
+from stereo_pick.core.calibration.views import BoardView, Detections, RejectedCorner, RejectedView
 from stereo_pick.core.calibration_page.evidence import typical_view
 from stereo_pick.core.calibration_page.page import calibration_page, refusal_page, save_page
 
@@ -226,3 +228,39 @@ def test_typical_view_is_neither_the_best_nor_the_worst() -> None:
 def test_exact_corners_have_a_page() -> None:
     exact = calibrate(make_views(6, rig=RIG), SIZE_PX, BOARD)
     assert Nesting(calibration_page(exact, judge(exact))).faults == []
+
+
+def partly(view: BoardView, left: slice, right: slice) -> BoardView:
+    """Only these corners of a view."""
+    every = np.arange(BOARD.corner_count)
+    return BoardView(view.name, view.left_px[left], view.right_px[right], every[left], every[right])
+
+
+def test_boards_seen_in_part_another_one_in_each_image_have_their_page() -> None:
+    board = CharucoBoard.parse("charuco:9x7:0.75:5X5_100", BOARD.square_m)
+    views = [partly(view, slice(None, 40), slice(8, None)) for view in make_views(9, noise_px=0.15)]
+    partial = calibrate(views, SIZE_PX, board)
+    root = parsed(calibration_page(partial, judge(partial), (), images()))
+    assert "Over all 32 corners" in words(root)
+    assert f"{9 * 40} corners over the left image" in " ".join(drawings(root))
+
+
+def test_images_without_a_corner_in_common_have_no_epipolar_lines() -> None:
+    board = CharucoBoard.parse("charuco:9x7:0.75:5X5_100", BOARD.square_m)
+    name = typical_view(result()).name
+    cut = [partly(view, slice(None, 24), slice(24, None)) if view.name == name else view for view in result().views]
+    apart = replace(result(), board=board, views=tuple(cut))
+    assert "Epipolar lines" not in words(parsed(calibration_page(apart, judge(result()), (), images())))
+
+
+def test_hash_is_that_of_the_rig() -> None:
+    rows = tables(parsed(page()))["The rig in short, ± one sigma"]
+    assert ["calibration hash", calibration_hash(result().rig)] in rows
+
+
+def test_single_corners_that_were_left_out_are_all_named() -> None:
+    corners = tuple(RejectedCorner(f"pair{i % 9}", "right", i, 2.5 + i) for i in range(20))
+    root = parsed(calibration_page(replace(result(), rejected_corners=corners), judge(result())))
+    items = [item.text for item in root.iter("li")]
+    assert items[-20:] == [corner.describe(BOARD) for corner in corners]
+    assert "Single corners left out" not in words(parsed(page()))

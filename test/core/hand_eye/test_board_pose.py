@@ -10,6 +10,7 @@ import pytest
 
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.charuco import CharucoBoard
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.hand_eye.board_pose import camera_T_board, settle_turns
@@ -45,6 +46,30 @@ def test_a_rendered_board_is_found_where_it_is(render_board: Callable[..., Image
     )
     assert np.degrees(angle_rad(nearest.rotation.T @ truth.rotation)) < 0.2
     np.testing.assert_allclose(nearest.translation, truth.translation, atol=1e-3)
+
+
+@pytest.mark.skipif(not hasattr(cv2, "aruco"), reason="this OpenCV has no aruco module")
+@pytest.mark.parametrize(("legacy", "angle"), [(False, 0.1), (True, 0.1), (False, 3.0)])
+def test_a_charuco_board_is_found_where_it_is_from_a_part_of_it(
+    legacy: bool, angle: float, render_charuco: Callable[..., Image]
+) -> None:
+    board = CharucoBoard(8, 6, 0.03, 0.75, "5X5_100")
+    R = cv2.Rodrigues(np.array([0.3, -0.2, 0]))[0] @ cv2.Rodrigues(np.array([0, 0, angle]))[0]
+    centre = np.array([0.09, 0.01, 0.45])
+    truth = Transform(R, centre - R @ board.object_points().mean(axis=0))
+    right_most_px = CAMERA.project(truth.apply(board.object_points()))[:, 0].max()
+    assert right_most_px > 320, "a part of the board is outside the image"
+    found = camera_T_board(render_charuco(board, K, truth, (320, 240), legacy), CAMERA, board)
+    assert np.degrees(angle_rad(found.rotation.T @ truth.rotation)) < 0.5
+    np.testing.assert_allclose(found.translation, truth.translation, atol=1.5e-3)
+
+
+@pytest.mark.skipif(not hasattr(cv2, "aruco"), reason="this OpenCV has no aruco module")
+def test_too_little_of_a_charuco_board_is_refused(render_charuco: Callable[..., Image]) -> None:
+    board = CharucoBoard(8, 6, 0.03, 0.75, "5X5_100")
+    beside = Transform(np.eye(3), np.array([0.13, -0.05, 0.45]))
+    with pytest.raises(CalibrationError, match="show at least 6 corners of the board, in two rows"):
+        camera_T_board(render_charuco(board, K, beside, (320, 240)), CAMERA, board)
 
 
 def test_an_image_without_the_board_or_of_another_size_is_refused() -> None:
