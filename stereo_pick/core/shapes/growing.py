@@ -7,6 +7,7 @@ part is stretched, away from each of its faces, until its new silhouette lies on
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,33 +21,61 @@ _NEW_PX = 4.0  # how far a point lies outside the old silhouette to be one of th
 _LEAST = 0.15  # of the size of the part that was seen, and ...
 _LEAST_PX = 6.0  # ... in pixels: the shadow where an object stands has edges, too
 _FAR = 0.7  # part of the greatest such distance: the far end tells the length, the sides are there for any
-_MIN_POINTS = 6
-_POINTS = 72
-_SHOWN = 0.75  # part of the new silhouette that must lie on edges: by chance one in ten points does
+_POINTS_TO_SEE = 12  # a twelfth of a silhouette must be new
+_TOGETHER = 3  # lengths of which only the middle one is looked at first
 _FARTHEST = 1.6  # times the size of the part that was seen
 
 
+class _Look(NamedTuple):
+    """At how many points of a silhouette, how far to either side of it, and what part of the new silhouette must lie
+    on edges: by chance one in ten points does."""
+
+    points: int
+    reach_px: float
+    enough: float
+
+
+_FEW, _ALL = _Look(24, 1.5 + _STEP_PX, 0.5), _Look(72, 1.5, 0.75)
+
+
 def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap]) -> Solids | None:
-    """The stretched solid whose new silhouette the views show best, or None where none shows; solid: S = 1."""
-    candidates = _stretched(solid, _STEP_PX / views[0].camera.P[0, 0])
-    if candidates is None:
+    """The stretched solid whose new silhouette the views show best, or None where none shows; solid: S = 1.
+
+    Where there is nothing around the object, a few lengths seen by one eye show that already.
+    """
+    if solid.kind.sizes == 1:
         return None
-    old, new = silhouettes(solid, eyes_m)[0], silhouettes(candidates, eyes_m)
-    share, count = np.ones(len(new)), np.zeros(len(new))
-    for side, view in enumerate(views):
-        focal = view.camera.P[0, 0]
-        points, normals = along_polygon(new[:, side], _POINTS)
-        distance_px = _outside(points, old[side]) * focal
-        fresh = distance_px > _NEW_PX
-        far = fresh & (distance_px > _FAR * distance_px.max(axis=1, keepdims=True))
-        pixels = points.reshape(-1, 2) * focal + view.camera.P[:2, 2]
-        shown = view.shows(pixels, normals.reshape(-1, 2)).reshape(fresh.shape) & fresh
-        total, found = fresh.sum(axis=1), shown.sum(axis=1)
-        ends = (shown & far).sum(axis=1) / np.maximum(far.sum(axis=1), 1)
-        share = np.minimum(share, np.where(total >= _MIN_POINTS, np.minimum(found / np.maximum(total, 1), ends), 0.0))
-        count += found
-    best = int(np.where(share >= _SHOWN, share + count / (4 * _POINTS), 0.0).argmax())
-    return candidates.only(np.array([best])) if share[best] >= _SHOWN else None
+    old = silhouettes(solid, eyes_m)[0]
+    lengths_m = _lengths_m(solid, views[0].camera.P[0, 0])
+    few = _stretched(solid, lengths_m[_TOGETHER // 2 :: _TOGETHER])
+    share, _ = _shown(few, old[0], eyes_m[:1], views[0], _FEW)
+    likely = np.repeat((share >= _FEW.enough).reshape(-1, len(lengths_m) // _TOGETHER), _TOGETHER, axis=1)
+    if not likely.any():
+        return None
+    candidates = _stretched(solid, lengths_m).only(np.flatnonzero(likely))
+    seen = [_shown(candidates, old[i], eyes_m[i : i + 1], view, _ALL) for i, view in enumerate(views)]
+    share, count = np.min([part for part, _ in seen], axis=0), np.sum([points for _, points in seen], axis=0)
+    best = int(np.where(share >= _ALL.enough, share + count / (4 * _ALL.points), 0.0).argmax())
+    return candidates.only(np.array([best])) if share[best] >= _ALL.enough else None
+
+
+def _shown(solids: Solids, old: Floats, eye_m: Floats, view: EdgeMap, look: _Look) -> tuple[Floats, Floats]:
+    """The part (S,) of each solid's silhouette outside the old one (K, 2) that a view shows, and on how many points.
+
+    eye_m: (1, 3), the view's place.
+    """
+    focal = view.camera.P[0, 0]
+    points, normals = along_polygon(silhouettes(solids, eye_m)[:, 0], look.points)
+    distance_px = _outside(points, old) * focal
+    fresh = distance_px > _NEW_PX
+    far = fresh & (distance_px > _FAR * distance_px.max(axis=1, keepdims=True))
+    pixels = points * focal + view.camera.P[:2, 2]
+    on_edge = view.shows(pixels.reshape(-1, 2), normals.reshape(-1, 2), look.reach_px)
+    shown = on_edge.reshape(fresh.shape) & fresh
+    total, found = fresh.sum(axis=1), shown.sum(axis=1)
+    ends = (shown & far).sum(axis=1) / np.maximum(far.sum(axis=1), 1)
+    enough = total * _POINTS_TO_SEE >= look.points
+    return np.where(enough, np.minimum(found / np.maximum(total, 1), ends), 0.0), found
 
 
 def is_longer(one: Solids, other: Solids, focal_px: float) -> bool:
@@ -59,30 +88,27 @@ def _least_m(solid: Solids, m_per_px: float) -> float:
     return max(_LEAST * 2 * float(solid.half_m.max()), _LEAST_PX * m_per_px)
 
 
-def _stretched(solid: Solids, step: float) -> Solids | None:
-    """The solid made longer by many lengths along each of its own axes, to either side; step: [m] per metre away."""
+def _lengths_m(solid: Solids, focal_px: float) -> Floats:
+    """By how much a solid may be longer, in steps of some pixels: a multiple of those looked at together."""
+    m_per_px = float(solid.centre_m[0, 2]) / focal_px
+    step_m, least_m = _STEP_PX * m_per_px, _least_m(solid, m_per_px)
+    farthest_m = max(_FARTHEST * 2 * float(solid.half_m.max()), 4 * step_m)
+    groups = max(np.ceil((farthest_m - least_m) / (step_m * _TOGETHER)), 1)
+    return np.asarray(least_m + step_m * np.arange(1, groups * _TOGETHER + 1))
+
+
+def _stretched(solid: Solids, lengths_m: Floats) -> Solids:
+    """The solid made longer by these lengths (L,) along each of its own axes, to either side: length by length."""
     kind = solid.kind
-    if kind.sizes == 1:
-        return None
-    size = 2 * float(solid.half_m.max())
-    step_m = step * solid.centre_m[0, 2]
-    lengths = np.arange(_least_m(solid, step_m / _STEP_PX) + step_m, max(_FARTHEST * size, 4 * step_m), step_m)
-    centres, halves = [], []
-    for axis in (2,) if kind.sizes == 2 else (0, 1, 2):
-        which = kind.axes[axis]
-        for sign in (1.0, -1.0):
-            half = np.repeat(solid.half_m, len(lengths), axis=0)
-            half[:, which] += lengths / 2
-            halves.append(half)
-            centres.append(solid.centre_m + sign * lengths[:, None] / 2 * solid.rotation[0, :, axis])
-    count = sum(len(part) for part in halves)
-    return Solids(
-        kind,
-        np.concatenate(centres),
-        np.repeat(solid.rotation, count, axis=0),
-        np.concatenate(halves),
-        np.tile(np.eye(3)[:, list(kind.turns)], (count, 1, 1)),
-    )
+    ways = [(axis, sign) for axis in ((2,) if kind.sizes == 2 else (0, 1, 2)) for sign in (1.0, -1.0)]
+    longer = np.array([np.arange(kind.sizes) == kind.axes[axis] for axis, _ in ways])
+    towards = np.array([sign * solid.rotation[0, :, axis] for axis, sign in ways])
+    half = solid.half_m + longer[:, None] * lengths_m[:, None] / 2
+    centre = solid.centre_m + towards[:, None] * lengths_m[:, None] / 2
+    every = len(ways) * len(lengths_m)
+    turns = np.broadcast_to(np.eye(3)[:, list(kind.turns)], (every, 3, len(kind.turns)))
+    rotation = np.repeat(solid.rotation, every, axis=0)
+    return Solids(kind, centre.reshape(-1, 3), rotation, half.reshape(-1, kind.sizes), turns)
 
 
 def _outside(points: Floats, corners: Floats) -> Floats:
