@@ -105,7 +105,8 @@ def _all_models() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
 
 def _blurred(power: float, at_px: Floats, blur_px: float) -> Floats:
     """`distance ** power` inside the edge, nothing outside, seen through a Gaussian blur."""
-    spread = np.arange(-4 * blur_px, 4 * blur_px, _FINE_PX)
+    reach = int(np.ceil(4 * blur_px / _FINE_PX))
+    spread = (np.arange(-reach, reach) + 0.5) * _FINE_PX  # no edge lies on one of these
     weight = np.exp(-0.5 * (spread / blur_px) ** 2)
     distance = np.maximum(at_px[:, None] - spread, 0.0)
     grown = np.where(at_px[:, None] > spread, distance**power, 0.0)
