@@ -41,7 +41,7 @@ class EdgeMap:
         )
 
     def shows(self, points_px: Floats, normals: Floats, reach_px: float) -> Bools:
-        """Whether there is an edge across these normals (N, 2), so near to each of the points (N, 2) of a closed line."""
+        """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line."""
         reach = np.arange(-reach_px, reach_px + _STEP_PX / 2, _STEP_PX)
         parts = [slice(i, i + _CHUNK) for i in range(0, len(points_px), _CHUNK)]
         strength = np.concatenate([self._across(points_px[part], normals[part], reach) for part in parts])
