@@ -23,7 +23,8 @@ from stereo_pick.core.shapes.fitting import best_of_kind, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 
-_EDGE_SIGMA_PX = 0.08
+_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.25  # light and shading move an outline by whole arcs, not point by point
+_HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow may have some, too
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.12  # ... and where the outline is all that is known
 _MAY_BE_CUT = 0.25
@@ -130,7 +131,8 @@ def _by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Locat
         for blob, camera in zip(blobs, (rig.left, rig.right))
     )
     rows_apart_px = float(left_px[1] - right_px[1])
-    variance = _EDGE_SIGMA_PX**2 + rows_apart_px**2 / 2
+    length_px = min(len(blob.contour_px) for blob in blobs)  # a point each pixel
+    variance = _ARC_SIGMA_PX**2 * _ARC_PX / length_px + rows_apart_px**2 / 2
     if fit is None:
         variance += (_UNKNOWN_SHAPE * max(blob.rectangle[0] for blob in blobs)) ** 2
     return Located(left_px, right_px, float(np.sqrt(variance)), fit)
@@ -141,7 +143,7 @@ def _by_solid(rig: StereoRig, blobs: BlobPair, fit: SolidFit) -> Located:
     left_px, right_px = fit.centre_px(rig.left), fit.centre_px(rig.right)
     per_px2 = _covariance_per_px2(rig, fit.centre_m)
     spread = float(np.linalg.eigvals(np.linalg.solve(per_px2, fit.covariance)).real.max())
-    return Located(left_px, right_px, float(np.sqrt(_EDGE_SIGMA_PX**2 + spread)), fit)
+    return Located(left_px, right_px, float(np.sqrt(_HALF_SEEN_SIGMA_PX**2 + spread)), fit)
 
 
 def _covariance_per_px2(rig: StereoRig, centre_m: Floats) -> Floats:
