@@ -15,6 +15,7 @@ from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.left_over import left_over
 from stereo_pick.core.correspondence.located import BlobPair, Located, locate
 from stereo_pick.core.correspondence.method import Method
+from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
@@ -59,6 +60,12 @@ class Feature(Method):
         "Depth of the deepest notch in an outline, as a part of its width, from which it is taken for touching parts.",
         low=0.01,
         high=10.0,
+    )
+    reference_point: str = parameter(
+        "volume",
+        "Which point of an object its position is: the centre of its volume, the middle of its top, or the point of "
+        "its surface nearest to the left camera. The last two need a solid that explains the object.",
+        choices=CHOICES,
     )
     flat_parts: bool = parameter(
         False,
@@ -105,7 +112,10 @@ class Feature(Method):
         refused = [Refusal(where.reason, where.left_px, where.right_px) for _, where in lost]
         refused += [Refusal("ambiguous", left.centroid_px, right.centroid_px) for left, right in doubtful]
         normal = common_normal([where.fit for _, where in kept])
-        matches = [_match(left, where, normal) for (left, _), where in kept]
+        if self.reference_point != "volume":
+            refused += [Refusal("no_solid", where.left_px, where.right_px) for _, where in kept if where.fit is None]
+            kept = [row for row in kept if row[1].fit is not None]
+        matches = [self._match(pair.rig, left, where, normal) for (left, _), where in kept]
         return collect(matches, [*refused, *left_over(blobs, dealt_with, self.similarity(pair.rig))])
 
     def _located(self, pair: RectifiedPair, matched: list[BlobPair]) -> list[Row]:
@@ -137,6 +147,17 @@ class Feature(Method):
             return split(replace(blob, fault=""), self.max_concavity)
         return [] if blob.fault else [blob]
 
+    def _match(self, rig: StereoRig, left: Blob, where: Located, normal: Floats | None) -> Match:
+        length, width, direction = left.rectangle
+        sigma = where.sigma_px, where.sigma_px
+        if where.fit is None:
+            return Match(where.left_px, where.right_px, sigma, (length, width), direction)
+        extent = extent_of(where.fit, normal)
+        point_m = reference_point_m(where.fit, extent, self.reference_point)
+        left_px = where.left_px + moved_px(where.fit, point_m, rig.left)
+        right_px = where.right_px + moved_px(where.fit, point_m, rig.right)
+        return Match(left_px, right_px, sigma, (length, width), direction, extent)
+
     def similarity(self, rig: StereoRig) -> Similarity:
         """By how much an object may differ between the views of this rig."""
         return Similarity(
@@ -150,13 +171,6 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
         return []
     areas = np.array([blob.area_px2 for blob in right])
     return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
-
-
-def _match(left: Blob, where: Located, normal: Floats | None) -> Match:
-    length, width, direction = left.rectangle
-    sigma = where.sigma_px, where.sigma_px
-    extent = None if where.fit is None else extent_of(where.fit, normal)
-    return Match(where.left_px, where.right_px, sigma, (length, width), direction, extent)
 
 
 def _told_apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:

@@ -1,0 +1,41 @@
+"""Which point of an object is its position: the centre of its volume, of its top face, or of its visible surface."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.extent import Extent
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.kinds import BOX, SPHERE
+
+CHOICES = ("volume", "top", "surface")
+
+
+def reference_point_m(fit: SolidFit, extent: Extent, choice: str) -> Floats:
+    """The point (3,) [m] in the rectified left frame: `volume`; `top`, where the line upwards from the centre leaves
+    the solid; `surface`, where the line to the left camera does."""
+    if choice == "volume":
+        return fit.centre_m
+    if choice == "top":
+        return np.asarray(fit.centre_m - extent.rotation[:, 2] * extent.size_m[2] / 2)
+    ahead = -fit.centre_m / np.linalg.norm(fit.centre_m)
+    return np.asarray(fit.centre_m + ahead * _way_out_m(fit, ahead))
+
+
+def moved_px(fit: SolidFit, point_m: Floats, camera: Camera) -> Floats:
+    """How far (2,) [px] from the image of the solid's centre that of a point lies, in a rectified camera."""
+    projected = camera.P @ np.append(point_m, 1.0)
+    return np.asarray(projected[:2] / projected[2] - fit.centre_px(camera))
+
+
+def _way_out_m(fit: SolidFit, ahead: Floats) -> float:
+    """How far it is from the centre to the surface in a direction (3,), a unit vector."""
+    own, half = np.abs(ahead @ fit.rotation), fit.size_m / 2
+    if fit.kind == SPHERE.name:
+        return float(half[0])
+    if fit.kind == BOX.name:
+        return float((half / np.maximum(own, 1e-9)).min())
+    across = float(np.hypot(own[0], own[1]))
+    return float(min(half[:2].mean() / max(across, 1e-9), half[2] / max(own[2], 1e-9)))
