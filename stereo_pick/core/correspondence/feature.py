@@ -112,11 +112,18 @@ class Feature(Method):
         refused = [Refusal(where.reason, where.left_px, where.right_px) for _, where in lost]
         refused += [Refusal("ambiguous", left.centroid_px, right.centroid_px) for left, right in doubtful]
         normal = common_normal([where.fit for _, where in kept])
-        if self.reference_point != "volume":
-            refused += [Refusal("no_solid", where.left_px, where.right_px) for _, where in kept if where.fit is None]
-            kept = [row for row in kept if row[1].fit is not None]
+        kept, unknown = self._of_known_reference(kept, normal)
+        refused += [Refusal("no_solid", where.left_px, where.right_px) for _, where in unknown]
         matches = [self._match(pair.rig, left, where, normal) for (left, _), where in kept]
         return collect(matches, [*refused, *left_over(blobs, dealt_with, self.similarity(pair.rig))])
+
+    def _of_known_reference(self, rows: list[Row], normal: Floats | None) -> tuple[list[Row], list[Row]]:
+        """Those of which the reference point is known, and the others."""
+        if self.reference_point == "volume":
+            return rows, []
+        if self.reference_point == "top" and normal is None:
+            return [], rows
+        return [row for row in rows if row[1].fit], [row for row in rows if not row[1].fit]
 
     def _located(self, pair: RectifiedPair, matched: list[BlobPair]) -> list[Row]:
         if all(len(blob.sharpness) for each in matched for blob in each):

@@ -33,7 +33,7 @@ class _Stage(NamedTuple):
 
 
 _QUICK = (_Stage(5, 3, True), _Stage(2, 2, False), _Stage(1, 4, False))
-_THOROUGH = (_Stage(24, 2, True), _Stage(10, 4, True), _Stage(3, 2, False), _Stage(1, 4, False))
+_THOROUGH = (_Stage(64, 2, True), _Stage(24, 4, True), _Stage(8, 3, False), _Stage(1, 4, False))
 _SEARCHES = (  # and how much, in units of the noise, the kinds before must have left unexplained to make it worthwhile
     (SPHERE, _QUICK[-1:], 0.0),
     (CYLINDER, _QUICK, 0.5),

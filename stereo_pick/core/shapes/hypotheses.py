@@ -68,7 +68,7 @@ class Images:
         """
         found = [each for pair in readings for solid in self._near(pair) for each in self._with_longer(solid)]
         believable = [each for each in found if each.believable]
-        return max(believable, key=lambda each: each.support, default=None)
+        return max(believable, key=lambda each: each.support - _PER_PX * each.fit.residual_px, default=None)
 
     def _near(self, pair: Pair) -> Iterator[Solids]:
         for kind in (SPHERE, CYLINDER, BOX):

@@ -13,7 +13,7 @@ from stereo_pick.core.shapes.residuals import own_tangents, residuals
 from stereo_pick.core.shapes.sight import Sight, Solids
 
 _DIRECTIONS = 24
-_BOX_STEPS = (-0.31, -0.1, 0.1, 0.31)
+_BOX_STEPS = (-0.4, -0.24, -0.08, 0.08, 0.24, 0.4)
 _LYING = 12
 _BOX_YAWS = 8
 _LEAST_SIZE = 0.1  # of the object's radius
