@@ -82,11 +82,11 @@ def test_edges_of_either_sign_count_across_their_normal_only(contrast: float) ->
     rows = np.arange(100.0, 140.0)
     across, along = np.tile([1.0, 0.0], (40, 1)), np.tile([0.0, 1.0], (40, 1))
     on, beside = np.c_[np.full(40, 299.5), rows], np.c_[np.full(40, 320.0), rows]
-    assert edges.shows(on, across).all()
-    assert not edges.shows(on, along).any() and not edges.shows(beside, across).any()
+    assert edges.shows(on, across, 1.5).all()
+    assert not edges.shows(on, along, 1.5).any() and not edges.shows(beside, across, 1.5).any()
 
 
 def test_noise_is_no_edge() -> None:
     image = np.clip(np.random.default_rng(3).normal(90, 2, (480, 640)).round(), 0, 255).astype(np.uint8)
     points = np.random.default_rng(4).uniform(20, 400, (4000, 2))
-    assert EdgeMap.of(image, RIG.left).shows(points, np.tile([0.6, 0.8], (4000, 1))).mean() < 0.01
+    assert EdgeMap.of(image, RIG.left).shows(points, np.tile([0.6, 0.8], (4000, 1)), 1.5).mean() < 0.01
