@@ -12,6 +12,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline
+from stereo_pick.core.shapes.kinds import KINDS
 
 _STEP_PX = 0.5
 _RIM = 1440
@@ -21,7 +22,8 @@ _CIRCLE = np.stack([np.cos(_ANGLE), np.sin(_ANGLE)], axis=1)
 
 @dataclass(frozen=True)
 class Part:
-    """A solid in the rectified left frame [m]: half sizes (radius), (radius, half length) or three."""
+    """A solid in the rectified left frame [m]: half sizes (radius), (radius, half length), (half across flats, half
+    length) or three."""
 
     kind: str
     centre_m: Floats
@@ -36,6 +38,9 @@ class Part:
         rim = _CIRCLE * self.half_m[0]
         if self.kind == "cylinder":
             points = np.concatenate([np.c_[rim, np.full(_RIM, end * self.half_m[1])] for end in (-1, 1)])
+        elif self.kind == "hexprism":
+            rim = _CIRCLE[:: _RIM // 6] * self.half_m[0] * 2 / np.sqrt(3)
+            points = np.concatenate([np.c_[rim, np.full(6, end * self.half_m[1])] for end in (-1, 1)])
         else:
             points = np.stack(np.meshgrid(*[(-1, 1)] * 3), axis=-1).reshape(-1, 3) * self.half_m
         return points @ self.rotation.T + towards
@@ -83,7 +88,7 @@ def any_part(kind: str, rig: StereoRig, rng: np.random.Generator) -> Part:
     x, y, depth = rng.uniform(-0.12, 0.12), rng.uniform(-0.12, 0.12), rng.uniform(0.4, 1.5)
     centre = np.array([rig.baseline_m / 2 + x * depth, y * depth, depth])
     half = rng.uniform(15, 45, 3) * depth / rig.focal_px
-    return Part(kind, centre, rotation(rng.normal(size=3) * 2), half[: ("sphere", "cylinder", "box").index(kind) + 1])
+    return Part(kind, centre, rotation(rng.normal(size=3) * 2), half[: KINDS[kind].sizes])
 
 
 def _between(one: Floats, other: Floats) -> Floats:

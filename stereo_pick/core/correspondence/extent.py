@@ -9,9 +9,9 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.errors import ArrayError
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE
 
-KINDS = ("", SPHERE.name, CYLINDER.name, BOX.name)
+KINDS = ("", SPHERE.name, CYLINDER.name, BOX.name, HEX_PRISM.name)
 """What an object can be; the first: none of these, or not known."""
 
 _STANDS = 0.7  # cosine
@@ -51,7 +51,8 @@ def extent_of(fit: SolidFit, normal: Floats | None) -> Extent:
         down = -axes[height] * np.sign(axes[height] @ up)
         return Extent(fit.kind, _frame(_rightwards(axes[length]), -down), sizes[[length, width, height]])
     if abs(float(axes[2] @ up)) > _STANDS:
-        return Extent(fit.kind, _frame(np.array([1.0, 0.0, 0.0]), axes[2] * np.sign(axes[2] @ up)), sizes)
+        length_axis = axes[0] if fit.kind == HEX_PRISM.name else np.array([1.0, 0.0, 0.0])
+        return Extent(fit.kind, _frame(_rightwards(length_axis), axes[2] * np.sign(axes[2] @ up)), sizes)
     return Extent(fit.kind, _frame(_rightwards(axes[2]), up), sizes[[2, 0, 1]])
 
 

@@ -1,4 +1,4 @@
-"""What an object's two outlines say of its shape: a sphere, a cylinder or a box, and where its centre really is."""
+"""What an object's two outlines say of its shape: sphere, cylinder, box or hexagonal prism; its centre."""
 
 from stereo_pick.core.shapes.common_normal import common_normal
 from stereo_pick.core.shapes.fitting import fit_solid, fit_solids

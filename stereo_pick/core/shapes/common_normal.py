@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.shapes.kinds import BOX, CYLINDER
+from stereo_pick.core.shapes.kinds import BOX, SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _ANGLE = np.sin(np.deg2rad(6))  # within which an axis stands or lies
@@ -19,12 +19,12 @@ _LEAD = 1.0  # votes by which the normal must lead before any other direction
 def common_normal(fits: Sequence[SolidFit | None]) -> Floats | None:
     """The direction (3,) towards the cameras in which the solids stand, rectified left frame; None where unclear.
 
-    A cylinder stands or lies, a box stands on a face: each votes for the directions in which its axes allow that.
-    Each solid votes again where its lowest point is as low as the others'. One object alone decides nothing: nobody
-    can tell a standing cylinder from a lying one by itself.
+    A cylinder or a hexagonal prism stands or lies, a box stands on a face: each votes for the directions in which its
+    axes allow that. Each solid votes again where its lowest point is as low as the others'. One object alone decides
+    nothing: nobody can tell a standing cylinder from a lying one by itself.
     """
     solids = [fit for fit in fits if fit is not None]
-    turned = [fit for fit in solids if fit.kind in (CYLINDER.name, BOX.name)]
+    turned = [fit for fit in solids if fit.kind != SPHERE.name]
     if len(turned) < 2:
         return None
     candidates = _candidates(turned)
@@ -39,7 +39,7 @@ def common_normal(fits: Sequence[SolidFit | None]) -> Floats | None:
 def _candidates(turned: Sequence[SolidFit]) -> Floats:
     """All axes, and the directions across two that differ: (C, 3), unit."""
     axes = [axis for fit in turned for axis in _axes(fit)]
-    own = [fit.rotation[:, 2] for fit in turned if fit.kind == CYLINDER.name]
+    own = [fit.rotation[:, 2] for fit in turned if fit.kind != BOX.name]
     across = [np.cross(one, other) for one, other in combinations(own, 2)]
     axes += [each / np.linalg.norm(each) for each in across if np.linalg.norm(each) > 0.35]
     return np.array(axes)
@@ -60,8 +60,8 @@ def _standing(normal: Floats, fit: SolidFit) -> float:
 
 
 def _lying(normal: Floats, fit: SolidFit) -> float:
-    """Sine of the angle by which a cylinder is off lying; a box always stands."""
-    return abs(float(fit.rotation[:, 2] @ normal)) if fit.kind == CYLINDER.name else np.inf
+    """Sine of the angle by which a cylinder or a hexagonal prism is off lying; a box always stands."""
+    return np.inf if fit.kind == BOX.name else abs(float(fit.rotation[:, 2] @ normal))
 
 
 def _base_votes(normal: Floats, solids: Sequence[SolidFit]) -> float:

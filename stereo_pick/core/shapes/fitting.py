@@ -10,7 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.evidence import centre_covariance, complaint, determined, explained, misfit_px
-from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE, Kind
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE, Kind
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.outline import Outline
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
@@ -22,6 +22,7 @@ from stereo_pick.core.shapes.starts import starts
 NOISE_PX = 0.1  # by which arcs of a sub-pixel outline are off
 _LEAST_TRUSTED = 12  # points in each view
 _HIDDEN = 0.1  # share of an outline without which kinds are mistaken for each other
+_A_SIDE = 1 / 6  # share without which anything may be mistaken for six sides
 
 
 class _Stage(NamedTuple):
@@ -40,6 +41,7 @@ _SEARCHES = (  # and how much, in units of the noise, the kinds before must have
     (BOX, _QUICK, 1.0),
     (CYLINDER, _THOROUGH, 1.0),
     (BOX, _THOROUGH, 1.0),
+    (HEX_PRISM, _THOROUGH, 0.5),
 )
 
 Pair = tuple[Outline, Outline]
@@ -57,20 +59,21 @@ def fit_solids(
 ) -> list[SolidFit | None]:
     """For each object's outlines (left, right) of as many points each, the solid that explains them.
 
-    table_normal: (3,), unit, in the rectified left frame: where given, a cylinder stands or lies on the table and a
-    box stands on one of its faces. noise_px: by how much outlines are off; a richer kind must explain more than that
-    to be preferred, and the chosen one must leave no more than half as much again. None where no kind does, or where
-    the one that does could as well be of another size.
+    table_normal: (3,), unit, in the rectified left frame: where given, cylinders and hexagonal prisms stand or lie on
+    the table and boxes stand on one of their faces. noise_px: by how much outlines are off; a richer kind must explain
+    more than that to be preferred, and the chosen one must leave no more than half as much again. None where no kind
+    does, or where the one that does could as well be of another size.
     """
     seen = np.array([i for i, pair in enumerate(pairs) if can_be_fitted(pair)], np.int64)
     chosen: list[SolidFit | None] = [None] * len(pairs)
     if not len(seen):
         return chosen
     sight = Sight.of([pairs[i] for i in seen], rig)
-    hidden = sight.inner.mean(axis=(1, 2)) > _HIDDEN
+    unseen = sight.inner.mean(axis=(1, 2))
     least, left = np.full(len(seen), np.inf), np.full(len(seen), np.inf)
     for kind, stages, worthwhile in _SEARCHES:
-        remaining = np.flatnonzero(hidden | (left > worthwhile * noise_px))
+        doubtful = (left > worthwhile * noise_px) | (unseen > _HIDDEN)
+        remaining = np.flatnonzero(doubtful & (unseen < _A_SIDE) if kind is HEX_PRISM else doubtful)
         if not len(remaining):
             continue
         found = _searched(sight.only(remaining), kind, table_normal, stages)

@@ -13,6 +13,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.edge_map import EdgeMap
+from stereo_pick.core.shapes.kinds import HEX_PRISM, SPHERE
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
 from stereo_pick.core.shapes.sight import Solids
 
@@ -41,9 +42,10 @@ _FEW, _ALL = _Look(24, 1.5 + _STEP_PX, 0.5), _Look(72, 1.5, 0.75)
 def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap]) -> Solids | None:
     """The stretched solid whose new silhouette the views show best, or None where none shows; solid: S = 1.
 
-    Where there is nothing around the object, a few lengths seen by one eye show that already.
+    Where there is nothing around the object, a few lengths seen by one eye show that already. What is left of a
+    hexagonal prism without one of its sides is no such prism: only its bare face can be part of a longer one.
     """
-    if solid.kind.sizes == 1:
+    if solid.kind is SPHERE or (solid.kind is HEX_PRISM and not _is_face(solid)):
         return None
     old = silhouettes(solid, eyes_m)[0]
     lengths_m = _lengths_m(solid, views[0].camera.P[0, 0])
@@ -109,6 +111,10 @@ def _stretched(solid: Solids, lengths_m: Floats) -> Solids:
     turns = np.broadcast_to(np.eye(3)[:, list(kind.turns)], (every, 3, len(kind.turns)))
     rotation = np.repeat(solid.rotation, every, axis=0)
     return Solids(kind, centre.reshape(-1, 3), rotation, half.reshape(-1, kind.sizes), turns)
+
+
+def _is_face(solid: Solids) -> bool:
+    return float(solid.half_m.min()) < _LEAST * float(solid.half_m.max())
 
 
 def _outside(points: Floats, corners: Floats) -> Floats:

@@ -11,12 +11,10 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
-
-BOX_CORNERS = np.stack(np.meshgrid(*[(-1.0, 1.0)] * 3), axis=-1).reshape(-1, 3)
-"""Of the box (8, 3) whose half sizes are 1."""
+from stereo_pick.core.arrays import Floats, Ints
 
 _TINY = 1e-12
+_ROOT3 = np.sqrt(3.0)
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -24,7 +22,7 @@ def dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
-class Kind(ABC):
+class Convex(ABC):
     """A family of convex solids, symmetric about their centre. Directions (S, N, 3) are in the solids' own axes."""
 
     name: str
@@ -37,12 +35,17 @@ class Kind(ABC):
         """Which half size each axis has: (3, sizes), ones and zeros."""
         return np.eye(self.sizes)[list(self.axes)]
 
+    @property
+    def spans(self) -> Floats:
+        """How far the kind reaches along each axis (3,), in units of the half size that belongs to it."""
+        return np.ones(3)
+
     @abstractmethod
     def touch(self, directions: Floats, half_m: Floats) -> Floats:
         """The points (S, N, 3) [m] of the solids that lie furthest in each direction; half sizes (S, sizes) [m]."""
 
 
-class Round(Kind):
+class Round(Convex):
     """A kind whose silhouettes have no corners."""
 
     @abstractmethod
@@ -115,15 +118,64 @@ class Cylinder(Round):
         return np.concatenate(arcs, axis=2)
 
 
-class Box(Kind):
+class Prism(Convex):
+    """A polygon that reaches along the third axis: all its faces are flat.
+
+    corners: (C, 3), those of the prism whose half sizes are 1; edges: (2, E), the corners that each joins.
+    """
+
+    corners: Floats
+    edges: Ints
+
+    def __init__(self, polygon: Floats) -> None:
+        count = len(polygon)
+        self.corners = np.concatenate([np.c_[polygon, np.full(count, end)] for end in (-1.0, 1.0)])
+        this = np.arange(count)
+        after = np.roll(this, -1)
+        self.edges = np.array([[*this, *(this + count), *this], [*after, *(after + count), *(this + count)]])
+
+    @property
+    def spans(self) -> Floats:
+        """To its furthest corners."""
+        return np.asarray(self.corners.max(axis=0))
+
+    def corners_m(self, half_m: Floats) -> Floats:
+        """Corners (S, C, 3) [m] of prisms with half sizes (S, sizes) [m]."""
+        return self.corners * half_m[:, None, self.axes]
+
+
+class Box(Prism):
     """Half sizes: along its three axes."""
 
     name, sizes, turns, axes = "box", 3, (0, 1, 2), (0, 1, 2)
+
+    def __init__(self) -> None:
+        super().__init__(np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]))
 
     def touch(self, directions: Floats, half_m: Floats) -> Floats:
         """A corner."""
         return np.copysign(half_m[:, None], directions)
 
 
-SPHERE, CYLINDER, BOX = Sphere(), Cylinder(), Box()
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (SPHERE, CYLINDER, BOX)}
+class HexPrism(Prism):
+    """A regular one, as nuts and the heads of bolts. Half sizes: across two flats, and along the third axis.
+
+    Corners lie on the first axis, the second is across flats.
+    """
+
+    name, sizes, turns, axes = "hexprism", 2, (0, 1, 2), (0, 0, 1)
+
+    def __init__(self) -> None:
+        angle = np.arange(6) * (np.pi / 3)
+        super().__init__(np.stack([np.cos(angle), np.sin(angle)], axis=1) * 2 / _ROOT3)
+
+    def touch(self, directions: Floats, half_m: Floats) -> Floats:
+        """A corner."""
+        beside = np.abs(directions[..., 1]) * _ROOT3 > np.abs(directions[..., 0])
+        corner = np.stack([(2 - beside) / _ROOT3, beside.astype(float), np.ones(beside.shape)], axis=-1)
+        return np.asarray(np.copysign(corner, directions) * half_m[:, None, self.axes])
+
+
+Kind = Round | Prism
+SPHERE, CYLINDER, BOX, HEX_PRISM = Sphere(), Cylinder(), Box(), HexPrism()
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (SPHERE, CYLINDER, BOX, HEX_PRISM)}

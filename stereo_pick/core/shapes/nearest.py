@@ -10,17 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints
-from stereo_pick.core.shapes.kinds import BOX_CORNERS, SPHERE, Round, dot
+from stereo_pick.core.shapes.kinds import SPHERE, Prism, Round, dot
 from stereo_pick.core.shapes.residuals import Tangents
 from stereo_pick.core.shapes.sight import Sight, Solids
 
 _SIDES = 24
 _LEAST_SIDE = 1e-6  # [m at 1 m]
 _TINY = 1e-15
-
-_EDGES = np.array(
-    [(i, j) for i in range(8) for j in range(i) if np.count_nonzero(BOX_CORNERS[i] != BOX_CORNERS[j]) == 1]
-).T
 
 
 def nearest_tangents(sight: Sight, solids: Solids) -> Tangents:
@@ -29,7 +25,7 @@ def nearest_tangents(sight: Sight, solids: Solids) -> Tangents:
         return _of_cones(sight, solids)
     if isinstance(solids.kind, Round):
         return _of_curves(sight, solids, solids.kind)
-    return _of_edges(sight, solids)
+    return _of_edges(sight, solids, solids.kind)
 
 
 def _of_cones(sight: Sight, solids: Solids) -> Tangents:
@@ -45,19 +41,19 @@ def _of_cones(sight: Sight, solids: Solids) -> Tangents:
     return Tangents(_unit(planes[..., :2]), touched)
 
 
-def _of_edges(sight: Sight, solids: Solids) -> Tangents:
-    """Of boxes: among the tangents along their twelve edges, the one that the point is furthest outside of."""
-    corners = solids.half_m[:, None] * BOX_CORNERS
+def _of_edges(sight: Sight, solids: Solids, kind: Prism) -> Tangents:
+    """Of prisms: among the tangents along their edges, the one that the point is furthest outside of."""
+    corners, (ends, starts) = kind.corners_m(solids.half_m), kind.edges
     seen = (corners @ solids.rotation.transpose(0, 2, 1))[:, None] + solids.seen_from(sight.eyes_m)
     image = seen[..., :2] / seen[..., 2:]
-    along = image[:, :, _EDGES[0]] - image[:, :, _EDGES[1]]
+    along = image[:, :, ends] - image[:, :, starts]
     across = _unit(_outward(along))
     outward = np.concatenate([across, -across], axis=2)
     reach = (outward @ image.transpose(0, 1, 3, 2)).max(axis=3)
     side = (sight.points @ outward.transpose(0, 1, 3, 2) - reach[:, :, None]).argmax(axis=3)
     row, view = _rows(side)
-    edge = side % _EDGES.shape[1]
-    behind, ahead = _EDGES[1][edge], _EDGES[0][edge]
+    edge = side % len(ends)
+    behind, ahead = starts[edge], ends[edge]
     share = _share(sight.points - image[row, view, behind], along[row, view, edge])
     touched = corners[row, behind] * (1 - share) + corners[row, ahead] * share
     return Tangents(outward[row, view, side], touched.reshape(len(side), -1, 3))

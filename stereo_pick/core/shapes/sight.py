@@ -95,7 +95,7 @@ class Solids:
 
     def size_m(self) -> Floats:
         """Full sizes (S, 3) along the axes."""
-        return 2 * self.half_m[:, self.kind.axes]
+        return 2 * self.half_m[:, self.kind.axes] * self.kind.spans
 
     def seen_from(self, eyes_m: Floats) -> Floats:
         """The centres (S, E, 1, 3) [m] as seen from eyes (E, 3)."""

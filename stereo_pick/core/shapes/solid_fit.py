@@ -10,7 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ArrayError
-from stereo_pick.core.shapes.kinds import BOX_CORNERS, KINDS, SPHERE, Round
+from stereo_pick.core.shapes.kinds import KINDS, SPHERE, Round
 from stereo_pick.core.shapes.sight import Solids
 from stereo_pick.core.shapes.solid_angle import centroid_px
 
@@ -19,12 +19,12 @@ _POINTS = 96
 
 @dataclass(frozen=True, eq=False)
 class SolidFit:
-    """A sphere, cylinder or box in the rectified left frame.
+    """A sphere, cylinder, box or hexagonal prism in the rectified left frame.
 
-    kind: a name of `kinds.KINDS`; centre_m: (3,); rotation: (3, 3), its columns are the solid's axes, a cylinder's own
-    the third; size_m: (3,), along these axes; residual_px: robust root mean square distance of the outlines from its
-    silhouettes; covariance: (3, 3) [m²], of the centre, and about that of the triangulated solid-angle centroids
-    moved by `perspective_shift_px`.
+    kind: a name of `kinds.KINDS`; centre_m: (3,); rotation: (3, 3), its columns are the solid's axes, a cylinder's and
+    a hexagonal prism's own the third, and the latter's corners lie on the first; size_m: (3,), along these axes;
+    residual_px: robust root mean square distance of the outlines from its silhouettes; covariance: (3, 3) [m²], of the
+    centre, and about that of the triangulated solid-angle centroids moved by `perspective_shift_px`.
     """
 
     kind: str
@@ -44,7 +44,7 @@ class SolidFit:
     def solid(self) -> Solids:
         """The solid as one that can be seen and measured."""
         kind = KINDS[self.kind]
-        half_m = np.array([[self.size_m[kind.axes.index(i)] / 2 for i in range(kind.sizes)]])
+        half_m = np.array([[(self.size_m / kind.spans)[kind.axes.index(i)] / 2 for i in range(kind.sizes)]])
         return Solids(kind, self.centre_m[None], self.rotation[None], half_m, np.zeros((1, 3, 0)))
 
     def reach_m(self, direction: Floats) -> float:
@@ -65,7 +65,7 @@ class SolidFit:
         if isinstance(solid.kind, Round):
             points = solid.kind.horizon(((eye - self.centre_m) @ self.rotation)[None], solid.half_m, _POINTS)[0, 0]
         else:
-            points = BOX_CORNERS * self.size_m / 2
+            points = solid.kind.corners_m(solid.half_m)[0]
         seen = self.centre_m - eye + points @ self.rotation.T
         image = seen[:, :2] / seen[:, 2:] * focal
         around = image - image.mean(axis=0)

@@ -8,14 +8,16 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints, frozen
-from stereo_pick.core.shapes.kinds import Kind
+from stereo_pick.core.shapes.kinds import BOX, HEX_PRISM, Kind
 from stereo_pick.core.shapes.residuals import own_tangents, residuals
 from stereo_pick.core.shapes.sight import Sight, Solids
 
 _DIRECTIONS = 24
 _BOX_STEPS = (-0.4, -0.24, -0.08, 0.08, 0.24, 0.4)
 _LYING = 12
-_BOX_YAWS = 8
+_HEX_TURNS = 3  # about its axis
+_YAWS: dict[Kind, tuple[float, int]] = {BOX: (np.pi / 2, 8), HEX_PRISM: (np.pi / 3, 5)}  # period, steps
+_ON_ITS_SIDE = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # third axis along x, second up
 _LEAST_SIZE = 0.1  # of the object's radius
 _LOOSE = 0.03  # weight of the guess that all half sizes are alike, against the outlines
 
@@ -70,25 +72,25 @@ def _orientations(kind: Kind, table_normal: Floats | None) -> tuple[Floats, Floa
         rotations = _free_orientations(kind)
         return rotations, np.broadcast_to(np.eye(3)[:, list(kind.turns)], (len(rotations), 3, len(kind.turns)))
     upright = _frame(table_normal)
-    if kind.sizes == 3:
-        yaws = np.arange(_BOX_YAWS) * (np.pi / 2 / _BOX_YAWS)
-        rotations = np.stack([upright @ _about_z(yaw) for yaw in yaws])
-    else:
-        level = [_frame(upright @ _about_z(yaw)[:, 0]) for yaw in np.arange(_LYING) * (np.pi / _LYING)]
-        rotations = np.stack([upright, *level])
+    standing = _turned(*_YAWS.get(kind, (0.0, 1)))
+    lying = np.empty((0, 3, 3)) if kind is BOX else _turned(np.pi, _LYING) @ _ON_ITS_SIDE
+    rotations = upright @ np.concatenate([standing, lying])
     return rotations, (rotations.transpose(0, 2, 1) @ upright[:, 2])[..., None]
 
 
 @lru_cache(maxsize=8)
 def _free_orientations(kind: Kind) -> Floats:
-    """A grid (G, 3, 3) over all that differ: a box turned by 90 degrees is a box again, a cylinder by 180 degrees."""
+    """A grid (G, 3, 3) over all that differ: a box turned by 90 degrees is a box again, a cylinder by 180 degrees, a
+    hexagonal prism by 60 degrees about its axis."""
     if kind.sizes == 1:
         return _read_only(np.eye(3)[None])
-    if kind.sizes == 2:
+    if kind is not BOX:
         steps = np.arange(_DIRECTIONS) + 0.5
         z, turn = 1 - steps / _DIRECTIONS, np.pi * (1 + 5**0.5) * steps  # Fibonacci's spiral
         across = np.sqrt(1 - z * z)
-        return _read_only(np.stack([_frame(np.array(a)) for a in zip(across * np.cos(turn), across * np.sin(turn), z)]))
+        frames = np.stack([_frame(np.array(a)) for a in zip(across * np.cos(turn), across * np.sin(turn), z)])
+        turns = _turned(np.pi / 3, _HEX_TURNS if kind is HEX_PRISM else 1)
+        return _read_only((frames[:, None] @ turns).reshape(-1, 3, 3))
     vectors = np.stack(np.meshgrid(_BOX_STEPS, _BOX_STEPS, _BOX_STEPS), axis=-1).reshape(-1, 3)
     angle = np.linalg.norm(vectors, axis=1, keepdims=True)  # tan of half the angle of the turn
     return _read_only(np.stack([cv2.Rodrigues(v)[0] for v in vectors / angle * 2 * np.arctan(angle)]))
@@ -102,9 +104,11 @@ def _frame(axis: Floats) -> Floats:
     return np.stack([x, np.cross(z, x), z], axis=1)
 
 
-def _about_z(angle: float) -> Floats:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+def _turned(period: float, count: int) -> Floats:
+    """Turns (count, 3, 3) about the third axis, evenly spread over a period [rad]."""
+    angle = np.arange(count) * (period / count)
+    c, s, none, one = np.cos(angle), np.sin(angle), np.zeros(count), np.ones(count)
+    return np.array([[c, -s, none], [s, c, none], [none, none, one]]).transpose(2, 0, 1)
 
 
 def _read_only(rotations: Floats) -> Floats:

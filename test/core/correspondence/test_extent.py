@@ -65,6 +65,32 @@ def test_a_standing_cylinder_looks_the_same_however_it_is_turned(yaw_rad: float,
     check_frame(extent, -UP)
 
 
+@given(yaw, st.integers(0, 5), st.booleans())
+def test_a_standing_nuts_length_is_across_corners_and_its_width_across_flats(
+    yaw_rad: float, sixth: int, head_down: bool
+) -> None:
+    """Whichever of its corners is taken for the first axis, and whichever end is up."""
+    stands = UPRIGHT @ rotation((0, 0, yaw_rad))
+    own = rotation((0, 0, sixth * np.pi / 3)) @ rotation((np.pi if head_down else 0, 0, 0))
+    extent = extent_of(fit("hexprism", stands @ own, (0.0231, 0.02, 0.01)), UP)
+    np.testing.assert_allclose(extent.size_m, [0.0231, 0.02, 0.01])
+    check_frame(extent, -UP)
+    corners = np.stack([stands @ rotation((0, 0, turn)) @ (1, 0, 0) for turn in np.arange(6) * np.pi / 3])
+    assert (corners @ extent.rotation[:, 0]).max() == pytest.approx(1)
+
+
+@given(yaw, st.sampled_from([1, 3, 5]))
+def test_a_nut_that_lies_on_a_flat_is_as_high_as_it_is_across_flats(yaw_rad: float, sixth: int) -> None:
+    on_flat = rotation((0, np.pi / 2, 0)) @ rotation((0, 0, sixth * np.pi / 6))
+    extent = extent_of(fit("hexprism", UPRIGHT @ rotation((0, 0, yaw_rad)) @ on_flat, (0.0231, 0.02, 0.05)), UP)
+    np.testing.assert_allclose(extent.size_m, [0.05, 0.0231, 0.02])
+    check_frame(extent, -UP)
+
+
+def test_the_codes_in_messages_keep_their_meaning() -> None:
+    assert KINDS == ("", "sphere", "cylinder", "box", "hexprism")
+
+
 @given(anywhere)
 def test_a_balls_rotation_is_that_of_the_view_and_the_table(turn: tuple[float, float, float]) -> None:
     extent = extent_of(fit("sphere", rotation(turn), (0.04, 0.04, 0.04)), UP)

@@ -26,6 +26,11 @@ LYING: list[Standing] = [
     ("cylinder", 0.06, 0.05, 1.1, True, (0.015, 0.035)),
     ("cylinder", 0.0, -0.05, 2.2, True, (0.015, 0.025)),
 ]
+NUTS: list[Standing] = [
+    ("hexprism", -0.05, 0.03, 0.3, False, (0.02, 0.012)),
+    ("hexprism", 0.06, 0.05, 0.8, True, (0.015, 0.035)),
+    ("hexprism", 0.0, -0.05, 0.1, False, (0.018, 0.03)),
+]
 UPRIGHT: list[Standing] = [
     ("cylinder", -0.05, 0.03, 0.0, False, (0.02, 0.03)),
     ("cylinder", 0.06, -0.02, 0.0, False, (0.015, 0.02)),
@@ -37,7 +42,7 @@ def on_table(tilt_deg: float, parts: Sequence[Standing]) -> tuple[list[SolidFit 
     table = rotation((np.pi - np.deg2rad(tilt_deg), 0.05, 0.02))
     pairs = []
     for kind, x, y, yaw, lying, half in parts:
-        stand = rotation((0, np.pi / 2, 0)) if lying else np.eye(3)
+        stand = rotation((0, np.pi / 2, 0)) @ rotation((0, 0, np.pi / 6)) if lying else np.eye(3)
         height = half[0] if lying else half[-1]
         centre = np.array([0.12, 0, 0.9]) + table @ (x, y, height)
         part = Part(kind, centre, table @ rotation((0, 0, yaw)) @ stand, np.array(half))
@@ -46,7 +51,7 @@ def on_table(tilt_deg: float, parts: Sequence[Standing]) -> tuple[list[SolidFit 
 
 
 @pytest.mark.parametrize("tilt_deg", [15, 40, 60])
-@pytest.mark.parametrize("parts", [MIXED, LYING, UPRIGHT], ids=["mixed", "lying", "upright"])
+@pytest.mark.parametrize("parts", [MIXED, LYING, UPRIGHT, NUTS], ids=["mixed", "lying", "upright", "nuts"])
 def test_the_normal_is_what_all_solids_agree_on(tilt_deg: float, parts: list[Standing]) -> None:
     fits, normal = on_table(tilt_deg, parts)
     found = common_normal(fits)

@@ -81,12 +81,28 @@ def test_the_corrected_point_is_nearer_to_the_centre() -> None:
     assert free.max() < 4e-4 and known.max() < 4e-4
 
 
-@pytest.mark.parametrize("lying", [False, True])
-def test_a_hexagonal_prism_is_no_solid_that_is_known(lying: bool) -> None:
-    prism = HexPrism(0.0, 0.0, hex_prism_size(0.05, 0.04), yaw_rad=0.3, lying=lying)
-    hull = SCENE.left_T_table.apply(prism.hull_m()) @ RIG.left.R.T
+def fit_to_hull(hull_m: Floats) -> SolidFit | None:
+    """The solid fitted to exact outlines of the hull of points (N, 3) [m] of the table's frame."""
+    hull = SCENE.left_T_table.apply(hull_m) @ RIG.left.R.T
     contours = [
         contour_px(hull - eye, lens) for eye, lens in (((0, 0, 0), RIG.left), ((RIG.baseline_m, 0, 0), RIG.right))
     ]
     left, right = (Outline.from_contour(contour) for contour in contours)
-    assert fit_solids([(left, right)], RIG) == [None]
+    return fit_solids([(left, right)], RIG)[0]
+
+
+@pytest.mark.parametrize("lying", [False, True])
+def test_a_hexagonal_prism_is_found_as_it_stands_or_lies(lying: bool) -> None:
+    prism = HexPrism(0.0, 0.0, hex_prism_size(0.05, 0.04), yaw_rad=0.3, lying=lying)
+    fit = fit_to_hull(prism.hull_m())
+    assert fit is not None and fit.kind == "hexprism"
+    truth = SCENE.left_T_table.apply(prism.centre_m[None])[0] @ RIG.left.R.T
+    np.testing.assert_allclose(fit.centre_m, truth, atol=5e-5)
+    np.testing.assert_allclose(fit.size_m, np.array([0.1 / np.sqrt(3), 0.05, 0.04]), rtol=5e-3)
+
+
+@pytest.mark.parametrize("sides", [3, 5])
+def test_prisms_with_other_numbers_of_sides_are_no_solid_that_is_known(sides: int) -> None:
+    angle = 0.3 + np.arange(sides) * 2 * np.pi / sides
+    rim = 0.025 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    assert fit_to_hull(np.concatenate([np.c_[rim, np.full(sides, z)] for z in (0.0, 0.04)])) is None

@@ -18,7 +18,7 @@ RIG = RIGS["verged"]
 @pytest.mark.parametrize("seed", range(4))
 def test_its_silhouette_is_the_outline_of_such_a_part(kind: str, seed: int) -> None:
     part = any_part(kind, RIG, np.random.default_rng(seed))
-    size_m = 2 * part.half_m[list(KINDS[kind].axes)]
+    size_m = 2 * part.half_m[list(KINDS[kind].axes)] * KINDS[kind].spans
     fit = SolidFit(kind, part.centre_m, part.rotation, size_m, 0.1, np.eye(3))
     for contour, camera in zip(contours_px(part, RIG), (RIG.left, RIG.right)):
         seen = fit.silhouette_px(camera)
