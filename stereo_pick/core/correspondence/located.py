@@ -28,6 +28,7 @@ _HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow m
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.12  # ... and where the outline is all that is known
 _MAY_BE_CUT = 0.25
+_MAY_BE_NOTCHED = 0.5  # of max_concavity, where nothing says that it is one part
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _SHARP_LIMB = 0.75
@@ -79,7 +80,7 @@ def _locate(
     best = images.best([each for each in (outlines, (strictly[0], strictly[1])) if can_be_fitted(each)])
     if best is not None:
         return _by_solid(images.rig, blobs, best.fit)
-    if notched:
+    if max(blob.concavity for blob in blobs) > _MAY_BE_NOTCHED * max_concavity:
         return _refused(blobs, "merged")
     if max(_cut(blob) for blob in blobs) > _MAY_BE_CUT:
         return _refused(blobs, "merged")
