@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.calibration.any_board import Board
-from stereo_pick.core.calibration.detectors import Finder, board_view, finders
+from stereo_pick.core.calibration.board_size import goes_on
+from stereo_pick.core.calibration.boards import Chessboard
+from stereo_pick.core.calibration.detectors import SeenCorners, board_view, finders
 from stereo_pick.core.calibration.views import BoardView, Detections, RejectedView
 from stereo_pick.core.errors import CalibrationError
 
@@ -34,18 +36,24 @@ def detect(pairs: Iterable[BoardImages], board: Board) -> list[Detections]:
     """Look for the board in both images of each pair; returns what each detector found.
 
     Takes the pairs one by one, so that they need not all be in memory. Raises CalibrationError where
-    the images differ in size, or where no detector finds the board in both images of any pair.
+    the images differ in size, where no detector finds the board in both images of any pair, or where most images show
+    a larger chessboard.
     """
     first: BoardImages | None = None
     looks = finders(board)
     outcomes: dict[str, list[BoardView | RejectedView]] = {name: [] for name in looks}
-    names = list[str]()
+    names, larger = list[str](), dict[str, bool]()
     for pair in pairs:
         first = first or pair
         check_size(pair, first)
         names += [pair.left_name, pair.right_name]
         for name, find in looks.items():
-            outcomes[name].append(_look(pair, board, find))
+            left, right = find(pair.left), find(pair.right)
+            outcomes[name].append(_outcome(pair, board, left, right))
+            for image, picture, corners in ((pair.left_name, pair.left, left), (pair.right_name, pair.right, right)):
+                if corners is not None:
+                    larger[image] = larger.get(image, False) or _goes_on(picture, corners, board)
+    _check_board(larger, board)
     if first is None:
         raise CalibrationError("there are no image pairs to look for a board in")
     found = [_detections(name, first.size_px, outcome) for name, outcome in outcomes.items()]
@@ -56,8 +64,23 @@ def detect(pairs: Iterable[BoardImages], board: Board) -> list[Detections]:
     return found
 
 
-def _look(pair: BoardImages, board: Board, find: Finder) -> BoardView | RejectedView:
-    left, right = find(pair.left), find(pair.right)
+def _check_board(larger: Mapping[str, bool], board: Board) -> None:
+    """Raise CalibrationError where most of the images in which the board was found show a larger one."""
+    files = [name for name, shows in larger.items() if shows]
+    if 2 * len(files) > len(larger):
+        raise CalibrationError(
+            f"{files[0]} shows more than a {board.title}: its squares go on beyond them, in {len(files)} of the "
+            f"{len(larger)} images in which they were found; {board.advice}"
+        )
+
+
+def _goes_on(picture: Image, corners: SeenCorners, board: Board) -> bool:
+    return isinstance(board, Chessboard) and goes_on(picture, corners.px, board)
+
+
+def _outcome(
+    pair: BoardImages, board: Board, left: SeenCorners | None, right: SeenCorners | None
+) -> BoardView | RejectedView:
     if left is not None and right is not None:
         return board_view(pair.name, left, right, board)
     without = [name for name, corners in ((pair.left_name, left), (pair.right_name, right)) if corners is None]
