@@ -83,6 +83,6 @@ def test_a_board_named_too_small_is_refused_with_an_image_that_shows_it(
         return corners_px(pose(seed), slice(board.columns), slice(None))
 
     monkeypatch.setattr("stereo_pick.core.calibration.detectors.DETECTORS", {"taking a part": first_columns})
-    with pytest.raises(CalibrationError, match=r"left0.png shows more than a chessboard of 6x5 .* in 6 of the 6 images"):
+    with pytest.raises(CalibrationError, match="left0.png shows more than .* 6x5 .* in 6 of the 6 images"):
         detect(pairs(), Chessboard(6, 5, 0.03))
     assert len(detect(pairs(), BOARD)[0].views) == 3
