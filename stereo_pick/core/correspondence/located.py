@@ -7,7 +7,7 @@ both outlines says how far off it is; where the outlines show only a part of the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from stereo_pick.core.shapes.fitting import best_of_kind, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 
-_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.25  # light and shading move an outline by whole arcs, not point by point
+_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.23  # light and shading move an outline by whole arcs, not point by point
 _HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow may have some, too
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.12  # ... and where the outline is all that is known
@@ -32,6 +32,8 @@ _MAY_BE_NOTCHED = 0.5  # of max_concavity, where nothing says that it is one par
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _SHARP_LIMB = 0.75
+_DISAGREE = 2.5  # sigmas
+_BODY = 0.3  # thickness by length of what is no lit face
 _SURELY_SHARP = 0.5
 _FLAT = 0.08  # thickness by length
 
@@ -73,7 +75,7 @@ def _locate(
     if fit is not None and not notched and fading <= _MAY_FADE:
         longer = _longer(images, outlines, blobs, fit)
         if longer is not None:
-            return _by_solid(images.rig, blobs, longer.fit) if longer.believable else _refused(blobs, "half_lit")
+            return _stretched(images.rig, blobs, fit, longer.fit) if longer.believable else _refused(blobs, "half_lit")
         complete = max(fading, *(_cut(blob) for blob in blobs)) <= _COMPLETE
         return _by_outlines(images.rig, blobs, fit) if complete else _by_solid(images.rig, blobs, fit)
     strictly = tuple(Outline.from_contour(blob.contour_px, blob.sharpness >= _SURELY_SHARP) for blob in blobs)
@@ -126,17 +128,35 @@ def _refused(blobs: BlobPair, reason: str) -> Located:
 
 
 def _by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Located:
-    """The solid-angle centroids of the outlines, moved by what the solid says of perspective."""
-    left_px, right_px = (
-        centroid_px(blob.contour_px, camera) + (fit.perspective_shift_px(camera) if fit else 0.0)
-        for blob, camera in zip(blobs, (rig.left, rig.right))
-    )
-    rows_apart_px = float(left_px[1] - right_px[1])
+    """The solid-angle centroids of the outlines, moved by what the solid says of perspective.
+
+    Where they lie off the solid's own centre by more than their noise, a piece of an outline is not the object's: the
+    solid, which leaves out such pieces, decides.
+    """
+    cameras = rig.left, rig.right
+    left_px, right_px = (centroid_px(blob.contour_px, camera) for blob, camera in zip(blobs, cameras))
     length_px = min(len(blob.contour_px) for blob in blobs)  # a point each pixel
-    variance = _ARC_SIGMA_PX**2 * _ARC_PX / length_px + rows_apart_px**2 / 2
-    if fit is None:
+    variance = _ARC_SIGMA_PX**2 * _ARC_PX / length_px
+    if fit is not None:
+        left_px, right_px = left_px + fit.perspective_shift_px(rig.left), right_px + fit.perspective_shift_px(rig.right)
+        own = [fit.centre_px(camera) for camera in cameras]
+        off_px = max(float(np.linalg.norm(place - seen)) for place, seen in zip(own, (left_px, right_px)))
+        if off_px > _DISAGREE * np.sqrt(variance):
+            return Located(own[0], own[1], float(np.sqrt(variance + (off_px / 3) ** 2)), fit)
+    else:
         variance += (_UNKNOWN_SHAPE * max(blob.rectangle[0] for blob in blobs)) ** 2
+    variance += float(left_px[1] - right_px[1]) ** 2 / 2
     return Located(left_px, right_px, float(np.sqrt(variance)), fit)
+
+
+def _stretched(rig: StereoRig, blobs: BlobPair, fit: SolidFit, longer: SolidFit) -> Located:
+    """The longer solid's centre; where the shorter one is a body, too, and its shadow may be what was found beyond it,
+    no surer than the two agree."""
+    found = _by_solid(rig, blobs, longer)
+    if fit.size_m.min() < _BODY * fit.size_m.max():
+        return found
+    off_px = float(np.linalg.norm(longer.centre_px(rig.left) - fit.centre_px(rig.left)))
+    return replace(found, sigma_px=float(np.hypot(found.sigma_px, off_px / 2)))
 
 
 def _by_solid(rig: StereoRig, blobs: BlobPair, fit: SolidFit) -> Located:
