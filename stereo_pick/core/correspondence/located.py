@@ -23,7 +23,7 @@ from stereo_pick.core.shapes.fitting import best_of_kind, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 
-_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.23  # light and shading move an outline by whole arcs, not point by point
+_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point
 _HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow may have some, too
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.12  # ... and where the outline is all that is known
