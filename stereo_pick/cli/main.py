@@ -7,7 +7,18 @@ import sys
 from collections.abc import Sequence
 
 from stereo_pick import __version__
-from stereo_pick.cli import board, calibrate, demo, hand_eye, import_bouguet, locate, parameters, replay, run
+from stereo_pick.cli import (
+    background,
+    board,
+    calibrate,
+    demo,
+    hand_eye,
+    import_bouguet,
+    locate,
+    parameters,
+    replay,
+    run,
+)
 from stereo_pick.core.errors import StereoPickError
 
 _DESCRIPTION = """\
@@ -48,7 +59,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"stereo-pick {__version__}")
     subparsers = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
-    for command in (run, locate, replay, calibrate, board, import_bouguet, hand_eye, parameters, demo):
+    for command in (run, locate, replay, background, calibrate, board, import_bouguet, hand_eye, parameters, demo):
         command.add_parser(subparsers)
     return parser
 

@@ -55,6 +55,12 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def add_source_options(parser: argparse.ArgumentParser) -> None:
+    """Add what says how a recording is to be read, and what its positions mean."""
+    add_reading_options(parser)
+    add_positioning_options(parser)
+
+
+def add_reading_options(parser: argparse.ArgumentParser) -> None:
     """Add what says how a recording is to be read."""
     parser.add_argument(
         "--calibration",
@@ -62,7 +68,6 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder with left.yaml and right.yaml, or an OpenCV YAML file (default: the bag's camera_info)",
     )
-    add_positioning_options(parser)
     parser.add_argument(
         "--left-topic", default="", metavar="TOPIC", help="the bag's left images (default: by its name)"
     )

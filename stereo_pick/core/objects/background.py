@@ -78,16 +78,16 @@ def fit_background(image: NDArray[np.float32], valid: Bools) -> Background:
     grey = image.reshape(-1)[samples.index].astype(np.float64)
     coefficients = _start(samples, grey)
     for part in (np.s_[::_FEW], np.s_[:]):
-        coefficients = _refined(coefficients, samples.terms[part], grey[part])
-    return Background(coefficients, (height, width), _spread(grey - samples.terms @ coefficients))
+        coefficients = refined(coefficients, samples.terms[part], grey[part])
+    return Background(coefficients, (height, width), spread(grey - samples.terms @ coefficients))
 
 
-def _refined(coefficients: NDArray[np.floating], terms: Floats, grey: Floats) -> NDArray[np.floating]:
-    """Tukey's biweight by repeated weighting."""
-    ridge = 1e-6 * len(grey) * np.eye(_TERMS)
+def refined(coefficients: NDArray[np.floating], terms: Floats, grey: Floats) -> NDArray[np.floating]:
+    """Coefficients of terms (N, T) that explain N grey levels, by Tukey's biweight, from a first guess of them."""
+    ridge = 1e-6 * len(grey) * np.eye(terms.shape[1])
     for _ in range(_MAX_ITERATIONS):
         residual = grey - terms @ coefficients
-        sigma = _spread(residual)
+        sigma = spread(residual)
         weight = np.maximum(1 - (residual / (_TUKEY * sigma)) ** 2, 0) ** 2
         weighted = terms.T * weight
         before, coefficients = coefficients, np.linalg.solve(weighted @ terms + ridge, weighted @ grey)
@@ -130,7 +130,8 @@ def _axes(shape: tuple[int, int]) -> tuple[NDArray[np.float32], Floats]:
     return np.stack([np.ones_like(v), v, v * v], axis=1).astype(np.float32), u
 
 
-def _spread(residual: Floats) -> float:
+def spread(residual: Floats) -> float:
+    """One sigma of residuals (N,), robustly; not less than that of rounding."""
     return max(1.4826 * _median(np.abs(residual)), _MIN_SIGMA)
 
 

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
+from stereo_pick.core.arrays import Image
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import ImageError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects.background_files import load_background
 from stereo_pick.core.objects.blob import Blob, Blobs
 from stereo_pick.core.objects.exposure import view_fault, with_saturation
 from stereo_pick.core.objects.focus import is_out_of_focus
-from stereo_pick.core.objects.foreground import Contrast, foreground, measure_contrast
+from stereo_pick.core.objects.foreground import Contrast, contrast_with, foreground, measure_contrast
+from stereo_pick.core.objects.learned import LearnedBackground, LearnedView, adjusted
 from stereo_pick.core.objects.outline import outlines
 from stereo_pick.core.objects.shadow import clearer, may_hold_shadow, strongest_parts
 from stereo_pick.core.objects.silhouette import trace_silhouettes
@@ -30,6 +37,11 @@ class Detector(Configurable):
         "How object pixels are told from the background: by a model of the empty surface and its noise, "
         "by Otsu's histogram method, or by one fixed grey level.",
         choices=("background", "otsu", "fixed"),
+    )
+    background_file: str = parameter(
+        "",
+        "The empty surface as `stereo-pick background` or the service ~/learn_background learned it, for threshold = "
+        "background; empty fits an even surface to each image.",
     )
     fixed_threshold: int = parameter(128, "Grey level for threshold = fixed.", low=0, high=255)
     threshold_sigma: float = parameter(
@@ -63,19 +75,30 @@ class Detector(Configurable):
         True, "Refine each outline to the half-way grey level; false is the thesis's pixel mask."
     )
 
+    def __post_init__(self) -> None:
+        """Read the background file, if it is there already; a node may still have to learn it."""
+        super().__post_init__()
+        if self.background_file and Path(self.background_file).exists():
+            try:
+                self._learned  # noqa: B018
+            except ImageError as error:
+                raise ParameterError(str(error)) from None
+
+    @cached_property
+    def _learned(self) -> LearnedBackground | None:
+        return load_background(Path(self.background_file)) if self.background_file else None
+
     def detect(self, pair: RectifiedPair) -> Blobs:
         """Return the objects of both views, left to right.
 
         With polarity = auto the way of reading them with more contrast energy (area x contrast²) wins, for both
         views together: a shadow is a weaker mark than its object.
         """
-        reduction = None if self.subpixel and self.threshold == "background" else 1
-        left, right = (
-            measure_contrast(
-                View.of(image, camera, reduction), self.threshold, self.fixed_threshold, self.threshold_sigma
-            )
-            for image, camera in ((pair.left, pair.rig.left), (pair.right, pair.rig.right))
-        )
+        learned = self._learned if self.threshold == "background" else None
+        if learned is not None:
+            learned.check(pair.rig)
+        left = self._contrast(pair.left, pair.rig.left, learned.left if learned else None)
+        right = self._contrast(pair.right, pair.rig.right, learned.right if learned else None)
         best = self._read(left, right, self.polarity) if self.polarity != "auto" else self._clearer(left, right)
         found = Blobs(
             self._finished(best.left, left, best.polarity),
@@ -83,6 +106,12 @@ class Detector(Configurable):
             best.polarity,
         )
         return replace(found, view_faults=(self._view_fault(found.left, left), self._view_fault(found.right, right)))
+
+    def _contrast(self, image: Image, camera: Camera, learned: LearnedView | None) -> Contrast:
+        view = View.of(image, camera, None if self.subpixel and self.threshold == "background" else 1)
+        if learned is not None:
+            return contrast_with(adjusted(learned, view, camera), view, self.threshold_sigma)
+        return measure_contrast(view, self.threshold, self.fixed_threshold, self.threshold_sigma)
 
     def _view_fault(self, blobs: tuple[Blob, ...], contrast: Contrast) -> str:
         least = max(float(self.min_contrast), self.threshold_sigma * contrast.background.sigma)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.objects.background import Background, Window, even_background, fit_background
+from stereo_pick.core.objects.learned import AdjustedBackground
 from stereo_pick.core.objects.view import View
 
 # A surface that is lit takes nothing away from its surroundings: at the bright side of the background there is
@@ -28,7 +29,7 @@ class Contrast:
     """
 
     view: View
-    background: Background
+    background: Background | AdjustedBackground
     bright_threshold: float
     dark_threshold: float
     trims: bool
@@ -68,15 +69,19 @@ class Foreground:
 def measure_contrast(view: View, method: str, fixed_threshold: int, threshold_sigma: float) -> Contrast:
     """Compare a view with its background by `method`: background, otsu or fixed."""
     if method == "background":
-        background = fit_background(view.smooth, view.inside)
-        limit = threshold_sigma * background.sigma
-        return Contrast(view, background, limit, limit, trims=True)
+        return contrast_with(fit_background(view.smooth, view.inside), view, threshold_sigma)
     threshold = _otsu(view) if method == "otsu" else float(fixed_threshold)
     grey = view.smooth[view.inside]
     above, below = grey[grey > threshold], grey[grey <= threshold]
     # The larger class is the background; half-way levels need a background level, not the threshold.
     level = float(np.median(below if below.size >= above.size else above))
     return Contrast(view, even_background(level, view.smooth.shape), threshold - level, level - threshold, trims=False)
+
+
+def contrast_with(background: Background | AdjustedBackground, view: View, threshold_sigma: float) -> Contrast:
+    """Compare a view with a model of its empty surface."""
+    limit = threshold_sigma * background.sigma
+    return Contrast(view, background, limit, limit, trims=True)
 
 
 def foreground(contrast: Contrast, polarity: str) -> Foreground:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Any
 
 from rclpy.context import Context
 
 from stereo_pick.core.annotation import annotate
 from stereo_pick.core.configuration import correspondence_groups, declared, method_parameter
+from stereo_pick.core.correspondence.correspondences import collect
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.images import pixels
 from stereo_pick.core.refusal import REASONS, RIG_FAULTS, count_reasons
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.ros.background_learning import BackgroundLearning
 from stereo_pick.ros.joined_node import JoinedNode
 from stereo_pick.ros.messages.correspondences import correspondences_message
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
@@ -38,6 +41,12 @@ class CorrespondenceNode(JoinedNode):
         super().__init__("correspondence", context, parameters, list(IMAGE_RECT.values()))
         self._correspondences = self.advertise(CORRESPONDENCES)
         self._annotated = self.advertise(ANNOTATED)
+        self._learning = BackgroundLearning(self, self._background_path, self._reconfigure)
+
+    def status(self) -> Status:
+        """What is being learned, or as of any node."""
+        progress = self._learning.progress
+        return Status(WARN, progress) if progress else super().status()
 
     def result_status(self) -> Status:
         """What was matched and refused in the last pair."""
@@ -54,11 +63,19 @@ class CorrespondenceNode(JoinedNode):
         images = [messages[IMAGE_RECT[side].name] for side in SIDES]
         left, right = (pixels(buffer_of(image), what=f"rectified {side} image") for side, image in zip(SIDES, images))
         pair = RectifiedPair(left, right, rig, stamp_ns(images[0].header.stamp))
-        blobs, self._last = self.steps.correspond(pair)
         frame_id = images[0].header.frame_id
+        if self._learning.takes(pair):
+            self._last = collect([], [])
+            self._correspondences.publish(correspondences_message(self._last, pair.stamp_ns, frame_id))
+            return
+        blobs, self._last = self.steps.correspond(pair)
         self._correspondences.publish(correspondences_message(self._last, pair.stamp_ns, frame_id))
         if self._annotated.get_subscription_count() > 0:
             self._annotated.publish(image_message(annotate(pair, blobs, self._last), pair.stamp_ns, frame_id))
+
+    def _background_path(self) -> Path | None:
+        file = self.steps.detector.background_file
+        return Path(file) if file else None
 
 
 def main(args: list[str] | None = None) -> int:

@@ -1,0 +1,55 @@
+"""`stereo-pick background`: learn the empty work surface from a recording."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from stereo_pick.cli.progress import progress
+from stereo_pick.cli.replay import add_reading_options, opened_source, source_rig
+from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.images import pixels
+from stereo_pick.core.objects.background_files import save_background
+from stereo_pick.core.objects.learned import BackgroundLearner
+from stereo_pick.core.rectification import Rectifier
+
+_DESCRIPTION = """\
+Learn what the empty work surface looks like, from a bag or a folder of image pairs that show it with nothing on it.
+With it, planks, prints, and the edge of the table are no objects any more. It belongs to one calibration and one place
+of the cameras; a change of the light is allowed for. On live cameras, call the correspondence node's service
+~/learn_background instead."""
+
+_EPILOG = """\
+example:
+  stereo-pick background --source empty_table --calibration my_rig --output my_rig/background.npz
+  stereo-pick run --source my_bag --calibration my_rig --param segmentation.background_file=my_rig/background.npz"""
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the `background` subcommand."""
+    parser = subparsers.add_parser(
+        "background",
+        help="learn the empty work surface",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--source", type=Path, required=True, metavar="BAG_OR_FOLDER", help="a bag, or a folder of image pairs"
+    )
+    add_reading_options(parser)
+    parser.add_argument("--output", type=Path, required=True, metavar="FILE", help="the .npz file to write")
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Learn and save; raises StereoPickError on unusable input."""
+    source = opened_source(args)
+    rectifier, learner = Rectifier(source_rig(source, args)), BackgroundLearner()
+    for pair in progress(source, source.count, "pairs"):
+        left, right = pixels(pair.left, what="left image"), pixels(pair.right, what="right image")
+        learner.add(rectifier.rectify(StereoFrame(left, right, pair.stamp_ns)))
+    background = learner.finished()
+    save_background(args.output, background)
+    print(f"{args.output}: learned from {background.pairs} pairs, for calibration {background.calibration_hash}")
+    return 0

@@ -1,0 +1,157 @@
+"""A work surface learned from pairs that show it empty: planks, prints and the edge of the table are known then.
+
+It is learned in the rectified views, which are what segmentation sees, and belongs to one calibration.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stereo_pick.core.arrays import Floats, Image, frozen
+from stereo_pick.core.calibration.fingerprint import calibration_hash
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import CalibrationError, ImageError
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects.background import Window, refined, spread
+from stereo_pick.core.objects.view import View
+from stereo_pick.core.rig import StereoRig
+
+PAIRS_TO_LEARN = 20
+"""As many as it takes for the noise of a pixel to be known to 16 %."""
+
+MIN_PAIRS = 3
+NOISE_STEPS = 16  # a noise of one grey level, as it is stored
+_SAMPLES = 3000
+_TRIALS = 250
+_CHECKED = 200
+_MIN_DIFFERENCE = 4.0  # grey levels from which two samples tell of the gain
+
+
+@dataclass(frozen=True, eq=False)
+class LearnedView:
+    """What the empty surface shows in one rectified view: mean (H, W) uint8 [grey levels]; noise (H, W) uint8, its one
+    sigma [1/16 grey level]."""
+
+    mean: Image
+    noise: Image
+
+    def __post_init__(self) -> None:
+        for name in ("mean", "noise"):
+            picture = getattr(self, name)
+            if picture.dtype != np.uint8 or picture.ndim != 2 or picture.shape != self.mean.shape:
+                raise ImageError(f"{name} is {picture.dtype} of shape {picture.shape}, must be uint8 {self.mean.shape}")
+            frozen(picture)
+
+
+@dataclass(frozen=True, eq=False)
+class LearnedBackground:
+    """The empty surface in both views, the hash of the calibration that rectified them, and how many pairs it is of."""
+
+    left: LearnedView
+    right: LearnedView
+    calibration_hash: str
+    pairs: int
+
+    def check(self, rig: StereoRig) -> None:
+        """Raise CalibrationError where it was learned with another calibration, or at another image size."""
+        for side, camera in (("left", rig.left), ("right", rig.right)):
+            height, width = getattr(self, side).mean.shape
+            if (width, height) != camera.frame_size:
+                raise CalibrationError(
+                    f"the background was learned from {side} images of {width} x {height}, but the calibration is for "
+                    f"{camera.width_px} x {camera.height_px}: learn it again"
+                )
+        if self.calibration_hash != calibration_hash(rig):
+            raise CalibrationError(
+                f"the background was learned with another calibration ({self.calibration_hash}) than the one in use "
+                f"({calibration_hash(rig)}): learn it again"
+            )
+
+
+@dataclass
+class BackgroundLearner:
+    """Collects rectified pairs of the empty surface, all of one rig."""
+
+    pairs: int = 0
+    _rig: StereoRig | None = None
+    _sums: dict[str, Floats] = field(default_factory=dict)
+    _squares: dict[str, Floats] = field(default_factory=dict)
+
+    def add(self, pair: RectifiedPair) -> None:
+        """Take one pair in; raises CalibrationError where the calibration has changed in between."""
+        if self._rig is not None and calibration_hash(self._rig) != calibration_hash(pair.rig):
+            raise CalibrationError("the calibration changed while the background was being learned: learn it again")
+        self._rig = pair.rig
+        for side in ("left", "right"):
+            grey = getattr(pair, side).astype(np.float64)
+            self._sums[side] = self._sums.get(side, 0.0) + grey
+            self._squares[side] = self._squares.get(side, 0.0) + grey * grey
+        self.pairs += 1
+
+    def finished(self) -> LearnedBackground:
+        """What was learned; raises ImageError from fewer than MIN_PAIRS pairs."""
+        if self._rig is None or self.pairs < MIN_PAIRS:
+            raise ImageError(f"{self.pairs} pairs are too few to learn a background from: give at least {MIN_PAIRS}")
+        return LearnedBackground(self._view("left"), self._view("right"), calibration_hash(self._rig), self.pairs)
+
+    def _view(self, side: str) -> LearnedView:
+        mean = self._sums[side] / self.pairs
+        variance = np.maximum(self._squares[side] - self.pairs * mean * mean, 0.0) / (self.pairs - 1)
+        noise = np.clip(np.round(np.sqrt(variance) * NOISE_STEPS), 0, 255)
+        return LearnedView(np.round(mean).astype(np.uint8), noise.astype(np.uint8))
+
+
+@dataclass(frozen=True, eq=False)
+class AdjustedBackground:
+    """A learned surface in the light of one view: level (h, w); sigma, the spread around it [grey levels]; looseness
+    (h, w), how many times noisier than the median each pixel is, 1 or more."""
+
+    level: NDArray[np.float32]
+    looseness: NDArray[np.float32]
+    sigma: float
+
+    def at(self, window: Window, above: float = 0.0) -> NDArray[np.float32]:
+        """Grey level of the empty surface in a window, raised by `above`, and by more where it is noisy."""
+        level = self.level[window]
+        return level + np.float32(above) * self.looseness[window] if above else level
+
+
+def adjusted(learned: LearnedView, view: View, camera: Camera) -> AdjustedBackground:
+    """The learned surface with the gain and the offset that this view's light asks for; what lies on it are outliers,
+    as long as it covers less than about two fifths of the view."""
+    mean, looseness = _prepared(learned, camera, view.reduction)
+    stride_px = max(1, int(np.sqrt(mean.size / _SAMPLES)))
+    grid = np.s_[::stride_px, ::stride_px]
+    inside = view.inside[grid]
+    grey, known = (picture[grid][inside].astype(np.float64) for picture in (view.smooth, mean))
+    terms = np.stack([np.ones_like(known), known], axis=1)
+    light = refined(_light(known, grey), terms, grey)
+    level = np.float32(light[0]) + np.float32(light[1]) * mean
+    return AdjustedBackground(level, looseness, spread(grey - terms @ light))
+
+
+def _light(known: Floats, grey: Floats) -> Floats:
+    """Offset and gain (2,) that leave the least median residual, out of those that two samples each ask for."""
+    draw = np.random.default_rng(0)  # seeded: the same image must give the same objects
+    one, other = draw.integers(len(known), size=(2, _TRIALS))
+    differ = np.abs(known[one] - known[other]) > _MIN_DIFFERENCE
+    one, other = one[differ], other[differ]
+    gain = np.append(1.0, (grey[one] - grey[other]) / (known[one] - known[other]))
+    offset = np.append(np.median(grey - known), grey[one] - gain[1:] * known[one])
+    check = draw.integers(len(known), size=_CHECKED)
+    left = np.abs(grey[check] - offset[:, None] - gain[:, None] * known[check])
+    best = np.median(left, axis=1).argmin()
+    return np.array([offset[best], gain[best]])
+
+
+@lru_cache(maxsize=8)
+def _prepared(learned: LearnedView, camera: Camera, reduction: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Mean and looseness (h, w), reduced and smoothed as a view is."""
+    mean = View.of(learned.mean, camera, reduction)
+    noise = View.of(learned.noise, camera, reduction).smooth
+    middle = float(np.median(noise[mean.inside])) if mean.inside.any() else 0.0
+    return mean.smooth, np.maximum(noise / np.float32(max(middle, 1.0)), np.float32(1.0))

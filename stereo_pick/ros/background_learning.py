@@ -1,0 +1,57 @@
+"""The service ~/learn_background of the correspondence node: the next pairs show the work surface empty."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects.background_files import save_background
+from stereo_pick.core.objects.learned import PAIRS_TO_LEARN, BackgroundLearner
+
+
+class BackgroundLearning:
+    """Takes pairs in from a call of the service until it has enough, then saves what it learned.
+
+    path: where to, None where nobody said; saved: called when the file is there.
+    """
+
+    def __init__(self, node: Node, path: Callable[[], Path | None], saved: Callable[[], None]) -> None:
+        self._path = path
+        self._saved = saved
+        self._learner: BackgroundLearner | None = None
+        node.create_service(Trigger, "~/learn_background", self._on_call)
+
+    @property
+    def progress(self) -> str:
+        """How far it is, for people; empty while nothing is being learned."""
+        if self._learner is None:
+            return ""
+        return f"learning the background: {self._learner.pairs} of {PAIRS_TO_LEARN} pairs; keep the surface empty"
+
+    def takes(self, pair: RectifiedPair) -> bool:
+        """Whether this pair was for learning; raises StereoPickError where learning it failed, and ends it."""
+        learner = self._learner
+        if learner is None:
+            return False
+        self._learner = None
+        learner.add(pair)
+        if learner.pairs < PAIRS_TO_LEARN:
+            self._learner = learner
+        elif path := self._path():
+            save_background(path, learner.finished())
+            self._saved()
+        return True
+
+    def _on_call(self, _request: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+        path = self._path()
+        answer.success = path is not None
+        if path is None:
+            answer.message = "set segmentation.background_file to where the background is to be saved, and call again"
+            return answer
+        self._learner = BackgroundLearner()
+        answer.message = f"learning from the next {PAIRS_TO_LEARN} pairs, then saved as {path}; keep the surface empty"
+        return answer

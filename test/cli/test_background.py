@@ -1,0 +1,78 @@
+"""`stereo-pick background`: from a folder of the empty surface to a file that `locate` uses."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import pytest
+from recordings import write_images
+from rendering import Carton, Scene, Sensor, balls, render
+from rigs import RIGS
+
+from stereo_pick.cli.main import main
+from stereo_pick.core.calibration.files import save_rig
+from stereo_pick.core.calibration.fingerprint import calibration_hash
+from stereo_pick.core.objects.background_files import load_background
+
+RIG = RIGS["thesis"]
+SCENE = Scene(
+    balls((-0.08, -0.03, 0.04), (0.0, 0.05, 0.05)), paints=(Carton(0.1, -0.02, 0.1, 0.08, 0.4, 0.7),), ambient=0.9
+)
+SENSOR = Sensor(gain=0.9)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A calibration, a folder `empty` of the table, and a pair of the parts on it."""
+    save_rig(RIG, tmp_path / "rig")
+    frames = [render(RIG, replace(SCENE, solids=()), SENSOR, SENSOR, seed) for seed in range(4)]
+    write_images(tmp_path / "empty", [(frame.left, frame.right) for frame in frames])
+    full = render(RIG, SCENE, SENSOR, SENSOR, seed=9)
+    for side in ("left", "right"):
+        cv2.imwrite(str(tmp_path / f"{side}.png"), getattr(full, side))
+    return tmp_path
+
+
+def learn(folder: Path, source: str = "empty") -> int:
+    given = ["--source", folder / source, "--calibration", folder / "rig", "--output", folder / "out" / "b.npz"]
+    return main(["background", *map(str, given)])
+
+
+def seen(folder: Path, capsys: pytest.CaptureFixture[str], *options: str) -> int:
+    """Objects and refusals together."""
+    images = [str(folder / f"{side}.png") for side in ("left", "right")]
+    assert main(["locate", *images, "--calibration", str(folder / "rig"), "--json", *options]) == 0
+    found = json.loads(capsys.readouterr().out)
+    return len(found["objects"]) + len(found["refused"])
+
+
+def test_what_was_learned_is_no_object(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = seen(folder, capsys)
+    assert learn(folder) == 0
+    assert f"learned from 4 pairs, for calibration {calibration_hash(RIG)}" in capsys.readouterr().out
+    assert load_background(folder / "out" / "b.npz").pairs == 4
+    after = seen(folder, capsys, "--param", f"segmentation.background_file={folder / 'out' / 'b.npz'}")
+    assert after == len(SCENE.solids) < before
+
+
+def test_a_background_of_another_calibration_is_one_clear_line(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert learn(folder) == 0
+    save_rig(RIGS["parallel"], folder / "rig")
+    images = [str(folder / f"{side}.png") for side in ("left", "right")]
+    given = ["--calibration", str(folder / "rig"), "--param", f"segmentation.background_file={folder}/out/b.npz"]
+    capsys.readouterr()
+    assert main(["locate", *images, *given]) == 1
+    assert "learned with another calibration" in capsys.readouterr().err
+
+
+def test_too_few_pairs_are_one_clear_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for file in (folder / "empty").glob("*0[123].png"):
+        file.unlink()
+    assert learn(folder) == 1
+    assert "1 pairs are too few to learn a background from: give at least 3" in capsys.readouterr().err
+    assert not (folder / "out").exists()

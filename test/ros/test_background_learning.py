@@ -1,0 +1,76 @@
+"""~/learn_background of the correspondence node: what a call answers, and what becomes of the pairs that follow."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from outlines import PARALLEL, grey_image
+from ros_tools import Graph
+from std_srvs.srv import Trigger
+
+from stereo_pick.core.errors import ImageError
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects.background_files import load_background
+from stereo_pick.core.objects.learned import PAIRS_TO_LEARN
+from stereo_pick.ros.background_learning import BackgroundLearning
+from stereo_pick.ros.nodes.correspondence import CorrespondenceNode
+
+
+class Learning:
+    """The learning of a node that saves where `path` says, driven directly."""
+
+    def __init__(self, path: Path | None) -> None:
+        self.saved = 0
+        self.services: dict[str, Any] = {}
+        node: Any = SimpleNamespace(create_service=lambda _kind, name, call: self.services.update({name: call}))
+        self.learning = BackgroundLearning(node, lambda: path, self._on_saved)
+
+    def call(self) -> Trigger.Response:
+        answer: Trigger.Response = self.services["~/learn_background"](Trigger.Request(), Trigger.Response())
+        return answer
+
+    def _on_saved(self) -> None:
+        self.saved += 1
+
+
+def pair(seed: int) -> RectifiedPair:
+    views = [grey_image(np.full((480, 640), 70.0), noise_dn=1.0, seed=2 * seed + side) for side in (0, 1)]
+    return RectifiedPair(*views, PARALLEL)
+
+
+def test_a_call_on_a_running_node_without_a_file_says_what_to_set(graph: Graph) -> None:
+    graph.host(CorrespondenceNode(graph.context))
+    answer = graph.ask(Trigger, "correspondence/learn_background", Trigger.Request())
+    assert not answer.success
+    assert "segmentation.background_file" in answer.message
+
+
+def test_the_pairs_after_a_call_are_learned_and_saved(tmp_path: Path) -> None:
+    file = tmp_path / "new" / "background.npz"
+    node = Learning(file)
+    assert not node.learning.takes(pair(0)) and node.learning.progress == ""
+    answer = node.call()
+    assert answer.success and str(file) in answer.message and str(PAIRS_TO_LEARN) in answer.message
+    for count in range(1, PAIRS_TO_LEARN):
+        assert node.learning.takes(pair(count))
+        assert f"{count} of {PAIRS_TO_LEARN} pairs" in node.learning.progress
+    assert not file.exists()
+    assert node.learning.takes(pair(PAIRS_TO_LEARN))
+    assert load_background(file).pairs == PAIRS_TO_LEARN
+    assert node.saved == 1 and node.learning.progress == ""
+    assert not node.learning.takes(pair(0)), "the next pair is matched again"
+
+
+def test_what_cannot_be_saved_is_said_once_and_ends_the_learning(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    node = Learning(tmp_path / "file" / "background.npz")
+    assert node.call().success
+    for count in range(1, PAIRS_TO_LEARN):
+        node.learning.takes(pair(count))
+    with pytest.raises(ImageError, match="cannot be written"):
+        node.learning.takes(pair(0))
+    assert node.saved == 0 and not node.learning.takes(pair(0))
