@@ -56,7 +56,7 @@ def _orientation_votes(normal: Floats, turned: Sequence[SolidFit]) -> float:
 
 def _standing(normal: Floats, fit: SolidFit) -> float:
     """Sine of the angle between the normal and the nearest axis that may stand."""
-    return min(float(np.linalg.norm(np.cross(axis, normal))) for axis in _axes(fit))
+    return float(np.linalg.norm(np.cross(np.array(_axes(fit)), normal), axis=1).min())
 
 
 def _lying(normal: Floats, fit: SolidFit) -> float:

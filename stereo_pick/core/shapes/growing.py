@@ -119,7 +119,7 @@ def _is_face(solid: Solids) -> bool:
 
 def _outside(points: Floats, corners: Floats) -> Floats:
     """How far (S, N) points (S, N, 2) lie outside a convex polygon (K, 2) that turns from x towards y."""
-    ahead = np.roll(corners, -1, axis=0) - corners
+    ahead = np.concatenate([corners[1:], corners[:1]]) - corners
     length = np.linalg.norm(ahead, axis=1)
     real = length > 1e-9
     outward = np.stack([ahead[real, 1], -ahead[real, 0]], axis=1) / length[real, None]

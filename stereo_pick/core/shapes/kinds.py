@@ -90,13 +90,16 @@ class Cylinder(Round):
 
     def touch(self, directions: Floats, half_m: Floats) -> Floats:
         """On the rim of one of the two ends."""
-        x, y, z = directions[..., 0], directions[..., 1], directions[..., 2]
-        return self.onto(np.stack([x, y, np.copysign(half_m[:, 1:], z)], axis=2), half_m)
+        ends = directions.copy()
+        ends[..., 2] = np.copysign(half_m[:, 1:], directions[..., 2])
+        return self.onto(ends, half_m)
 
     def onto(self, points: Floats, half_m: Floats) -> Floats:
         """Along the radius."""
-        stretch = half_m[:, :1] / (np.sqrt(dot(points[..., :2], points[..., :2])) + _TINY)
-        return points * np.stack([stretch, stretch, np.ones_like(stretch)], axis=2)
+        across = points[..., :2]
+        moved = points.copy()
+        moved[..., :2] *= (half_m[:, :1] / (np.sqrt(dot(across, across)) + _TINY))[..., None]
+        return moved
 
     def horizon(self, eyes_m: Floats, half_m: Floats, count: int) -> Floats:
         """An arc of each rim: the one away from the eye where it sees that end's face, else the one towards it.
@@ -108,14 +111,16 @@ class Cylinder(Round):
         off_axis = np.sqrt(x * x + y * y)
         facing, width = np.arctan2(y, x), np.arccos(np.minimum(radius / (off_axis + _TINY), 1.0))
         along = np.linspace(-1, 1, count // 2)
-        arcs = []
-        for end in (1.0, -1.0):
+        points = np.empty((*eyes_m.shape[:2], 2, count // 2, 3))
+        for arc, end in enumerate((1.0, -1.0)):
             sees = end * z > half_length
             middle = facing + np.where(sees, np.pi, 0.0)
             angle = middle + np.where(sees, np.pi - width, width) * along * np.where(sees, -end, end)
             height = np.where((off_axis > radius) | sees, end, -end) * half_length
-            arcs.append(np.stack([radius * np.cos(angle), radius * np.sin(angle), height + 0 * angle], axis=3))
-        return np.concatenate(arcs, axis=2)
+            points[:, :, arc, :, 0] = radius * np.cos(angle)
+            points[:, :, arc, :, 1] = radius * np.sin(angle)
+            points[:, :, arc, :, 2] = height
+        return points.reshape(*eyes_m.shape[:2], count, 3)
 
 
 class Prism(Convex):

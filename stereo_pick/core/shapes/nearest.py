@@ -15,6 +15,7 @@ from stereo_pick.core.shapes.residuals import Tangents
 from stereo_pick.core.shapes.sight import Sight, Solids
 
 _SIDES = 24
+_NEXT = np.roll(np.arange(_SIDES), -1)
 _LEAST_SIDE = 1e-6  # [m at 1 m]
 _TINY = 1e-15
 
@@ -66,7 +67,7 @@ def _of_curves(sight: Sight, solids: Solids, kind: Round) -> Tangents:
     placed = horizon.reshape(len(horizon), -1, 3) @ solids.rotation.transpose(0, 2, 1)
     seen = placed.reshape(horizon.shape) + start
     corners = seen[..., :2] / seen[..., 2:]
-    ahead = np.roll(corners, -1, axis=2) - corners
+    ahead = corners[:, :, _NEXT] - corners
     length = np.sqrt(dot(ahead, ahead))
     outward = _outward(ahead) / (length + _TINY)[..., None]
     outward *= np.sign(dot(outward, corners - corners.mean(axis=2, keepdims=True)).sum(axis=2))[..., None, None]

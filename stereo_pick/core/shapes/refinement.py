@@ -18,6 +18,8 @@ TUKEY = 4.685  # in sigmas: 95 % efficient on normal noise
 _LEAST_SCALE_PX = 0.05
 _LEAST_HALF = 0.02  # of the object's radius
 _CONVERGED_PX = 0.01  # the step is taken, and the next one would be far smaller
+_SAME = np.eye(3)
+_CROSS = np.cross(_SAME[:, None], -_SAME).reshape(3, 9)  # of each axis: what it turns the others to
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +69,8 @@ def refine(sight: Sight, now: Fitted, rounds: int, touch: Touch = nearest_tangen
 
 def bounded(residual_px: Floats, scale_px: Floats | float) -> Floats:
     """Tukey's loss [px²]: the square of a small residual, and no more than 7.3 scale² for any."""
-    inside = np.clip(1 - (residual_px / (TUKEY * scale_px)) ** 2, 0, None)
-    return np.asarray((TUKEY * scale_px) ** 2 / 3 * (1 - inside**3))
+    inside = np.maximum(1 - (residual_px / (TUKEY * scale_px)) ** 2, 0)
+    return np.asarray((TUKEY * scale_px) ** 2 / 3 * (1 - inside * inside * inside))
 
 
 def _cost(now: Fitted, scale_px: Floats) -> Floats:
@@ -77,11 +79,11 @@ def _cost(now: Fitted, scale_px: Floats) -> Floats:
 
 def _step(now: Fitted, scale_px: Floats, damping: Floats) -> Floats:
     """The damped step (S, 3 + Q + sizes) of iteratively reweighted least squares."""
-    weight = now.weight * np.clip(1 - (now.residual_px / (TUKEY * scale_px)) ** 2, 0, None) ** 2
+    weight = now.weight * np.maximum(1 - (now.residual_px / (TUKEY * scale_px)) ** 2, 0) ** 2
     weighted = (now.jacobian * weight[..., None]).transpose(0, 2, 1)
     normal = weighted @ now.jacobian
-    diagonal = np.einsum("sii->si", normal)
-    normal = normal + (diagonal * damping[:, None] + 1e-9)[..., None] * np.eye(normal.shape[1])
+    diagonal = np.einsum("sii->si", normal)  # a view
+    diagonal += diagonal * damping[:, None] + 1e-9
     return -np.asarray(np.linalg.solve(normal, weighted @ now.residual_px[..., None])[..., 0])
 
 
@@ -96,13 +98,13 @@ def _moved(solids: Solids, step: Floats, least_half_m: Floats) -> Solids:
 def _rotations(vectors: Floats) -> Floats:
     """Rotation vectors (S, 3) [rad] to rotations (S, 3, 3): Rodrigues."""
     angle = np.linalg.norm(vectors, axis=1)[:, None, None]
-    x, y, z = vectors.T / (angle[:, 0, 0] + 1e-15)
-    none = np.zeros_like(x)
-    cross = np.array([[none, -z, y], [z, none, -x], [-y, x, none]]).transpose(2, 0, 1)
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross))
+    cross = (vectors / (angle[:, 0] + 1e-15) @ _CROSS).reshape(-1, 3, 3)
+    return np.asarray(_SAME + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross))
 
 
 def _where(better: Bools, tried: Fitted, now: Fitted) -> Fitted:
+    if better.all():
+        return tried
     one, two, three = better[:, None], better[:, None, None], better[:, None, None]
     solids = Solids(
         now.solids.kind,

@@ -40,16 +40,21 @@ def residuals(sight: Sight, solids: Solids, tangents: Tangents) -> tuple[Floats,
     own = planes @ solids.rotation
     scale = (sight.focal_px / solids.centre_m[:, 2])[:, None]
     grown = tangents.touched * own
-    residual = scale * (past_centre + grown.sum(axis=2))
-    growing = grown @ solids.kind.shares / solids.half_m[:, None]
-    if not solids.turns.shape[2]:
-        return residual, scale[..., None] * np.concatenate([planes, growing], axis=2)
-    turning = _cross(tangents.touched, own) @ solids.turns
-    return residual, scale[..., None] * np.concatenate([planes, turning, growing], axis=2)
+    residual = scale * (past_centre + dot(tangents.touched, own))
+    turning = solids.turns.shape[2]
+    jacobian = np.empty((*residual.shape, 3 + turning + solids.kind.sizes))
+    jacobian[..., :3] = planes
+    if turning:
+        jacobian[..., 3 : 3 + turning] = _cross(tangents.touched, own) @ solids.turns
+    jacobian[..., 3 + turning :] = grown @ (solids.kind.shares / solids.half_m[:, None])
+    jacobian *= scale[..., None]
+    return residual, jacobian
 
 
 def _cross(a: Floats, b: Floats) -> Floats:
     """What np.cross gives for vectors (S, N, 3), several times as fast."""
     a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
     b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0], axis=2)
+    product = np.empty_like(a)
+    product[..., 0], product[..., 1], product[..., 2] = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
+    return product
