@@ -22,6 +22,15 @@ def dot(a: Floats, b: Floats) -> Floats:
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 
+def cross(a: Floats, b: Floats) -> Floats:
+    """What np.cross gives for vectors (..., 3), several times as fast."""
+    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
+    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
+    product = np.empty_like(a)
+    product[..., 0], product[..., 1], product[..., 2] = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
+    return product
+
+
 class Convex(ABC):
     """A family of convex solids, symmetric about their centre. Directions (S, N, 3) are in the solids' own axes."""
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Bools, Floats, floats
+from stereo_pick.core.arrays import Bools, Floats, Ints, floats
 from stereo_pick.core.errors import ArrayError
 
 POINTS = 40
@@ -64,14 +65,13 @@ class Outline:
         if not along[-1] > 0:
             raise ArrayError("contour_px has no length: all its points are the same")
         at = np.arange(points * _FINE) * (along[-1] / (points * _FINE))
-        fine = [np.interp(at, along, values) for values in (*closed.T, np.append(own, own[0]))]
-        x, y = (_around(axis, _SMOOTHING) for axis in fine[:2])
-        dx, dy = (_around(axis, _SLOPE) for axis in fine[:2])
-        length = np.hypot(dx, dy) + 1e-12
-        weight = _around(fine[2], np.ones(len(_SMOOTHING))) > len(_SMOOTHING) - 0.5
-        corner = _corners(fine[0] + 1j * fine[1])
-        normals = np.stack([dy, -dx], axis=1) / length[:, None]
-        return Outline(np.stack([x, y], axis=1), normals, weight.astype(np.float64), corner.astype(np.float64))
+        fine = np.interp(at, along, closed[:, 0] + 1j * closed[:, 1])
+        place, slope = _around(fine, _SMOOTHING), _around(fine, _SLOPE)
+        normals = _as_points(-1j * slope / (np.abs(slope) + 1e-12))
+        shown = np.interp(at, along, np.append(own, own[0]))
+        weight = _around(shown, np.ones(len(_SMOOTHING))) > len(_SMOOTHING) - 0.5
+        corner = _corners(fine)
+        return Outline(_as_points(place), normals, weight.astype(np.float64), corner.astype(np.float64))
 
 
 def _corners(fine: Complex) -> Bools:
@@ -82,10 +82,17 @@ def _corners(fine: Complex) -> Bools:
 
 def _around(values: NDArray[Number], kernel: Floats) -> NDArray[Number]:
     """Correlate closed fine samples with a kernel, at every point of the outline."""
-    reach = len(kernel) // 2
-    wrapped = np.concatenate([values[-reach:], values, values[:reach]])
-    windows = np.lib.stride_tricks.sliding_window_view(wrapped, len(kernel))[::_FINE]
-    return np.asarray(windows @ kernel)
+    return np.asarray(values[_windows(len(values), len(kernel))] @ kernel)
+
+
+@lru_cache(maxsize=16)
+def _windows(count: int, width: int) -> Ints:
+    """The indices (N, width) of the closed fine samples around each point of the outline."""
+    return np.asarray((np.arange(0, count, _FINE)[:, None] + np.arange(width) - width // 2) % count)
+
+
+def _as_points(values: Complex) -> Floats:
+    return np.stack([values.real, values.imag], axis=1)
 
 
 def _signed_area(contour: Floats) -> float:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.shapes.kinds import dot
+from stereo_pick.core.shapes.kinds import cross, dot
 from stereo_pick.core.shapes.sight import Sight, Solids, tangent_planes
 
 
@@ -45,16 +45,7 @@ def residuals(sight: Sight, solids: Solids, tangents: Tangents) -> tuple[Floats,
     jacobian = np.empty((*residual.shape, 3 + turning + solids.kind.sizes))
     jacobian[..., :3] = planes
     if turning:
-        jacobian[..., 3 : 3 + turning] = _cross(tangents.touched, own) @ solids.turns
+        jacobian[..., 3 : 3 + turning] = cross(tangents.touched, own) @ solids.turns
     jacobian[..., 3 + turning :] = grown @ (solids.kind.shares / solids.half_m[:, None])
     jacobian *= scale[..., None]
     return residual, jacobian
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    """What np.cross gives for vectors (S, N, 3), several times as fast."""
-    a0, a1, a2 = a[..., 0], a[..., 1], a[..., 2]
-    b0, b1, b2 = b[..., 0], b[..., 1], b[..., 2]
-    product = np.empty_like(a)
-    product[..., 0], product[..., 1], product[..., 2] = a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0
-    return product

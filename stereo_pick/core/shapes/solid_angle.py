@@ -11,6 +11,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.shapes.kinds import cross, dot
 
 
 def centroid_px(contour_px: Floats, camera: Camera) -> Floats:
@@ -20,10 +21,11 @@ def centroid_px(contour_px: Floats, camera: Camera) -> Floats:
     area of the spherical polygon, in either sense of rotation.
     """
     focal, middle = camera.P[[0, 1], [0, 1]], camera.P[:2, 2]
-    rays = np.c_[(contour_px - middle) / focal, np.ones(len(contour_px))]
-    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-    faces = np.cross(rays, np.roll(rays, -1, axis=0))
-    sine = np.linalg.norm(faces, axis=1)
+    rays = np.ones((len(contour_px), 3))
+    rays[:, :2] = (contour_px - middle) / focal
+    rays /= np.sqrt(dot(rays, rays))[:, None]
+    faces = cross(rays, rays[np.arange(1 - len(rays), 1)])
+    sine = np.sqrt(dot(faces, faces))
     angle_to_sine = np.where(sine > 1e-6, np.arcsin(np.minimum(sine, 1.0)) / np.maximum(sine, 1e-6), 1.0)
     direction = angle_to_sine @ faces
     return np.asarray(direction[:2] / direction[2] * focal + middle)
