@@ -14,7 +14,7 @@ from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.evidence import centre_covariance, determined
 from stereo_pick.core.shapes.fitting import NOISE_PX, Pair, best_of_kind
 from stereo_pick.core.shapes.growing import grown, is_longer
-from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE, Kind
 from stereo_pick.core.shapes.locking import Locked, lock
 from stereo_pick.core.shapes.sight import Solids
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -48,9 +48,16 @@ class Images:
         self.images: tuple[Image, Image] = (pair.left, pair.right)
         self.maps = [EdgeMap.of(image, camera) for image, camera in zip(self.images, (pair.rig.left, pair.rig.right))]
         self.eyes_m = np.array([[0.0, 0.0, 0.0], [pair.rig.baseline_m, 0.0, 0.0]])
+        self._nearest: dict[tuple[Pair, Kind], tuple[Solids, float]] = {}
+        self._longer: dict[Solids, Supported | None] = {}
 
     def longer(self, solid: Solids) -> Supported | None:
         """The solid stretched to further edges and brought onto them, or None where there are none."""
+        if solid not in self._longer:
+            self._longer[solid] = self._stretched(solid)
+        return self._longer[solid]
+
+    def _stretched(self, solid: Solids) -> Supported | None:
         stretched = grown(solid, self.eyes_m, self.maps)
         if stretched is None:
             return None
@@ -72,9 +79,14 @@ class Images:
 
     def _near(self, pair: Pair) -> Iterator[Solids]:
         for kind in (SPHERE, CYLINDER, BOX):
-            solid, misfit_px = best_of_kind(pair, self.rig, kind)
+            solid, misfit_px = self._of_kind(pair, kind)
             if misfit_px < _PLAUSIBLE_PX:
                 yield solid
+
+    def _of_kind(self, pair: Pair, kind: Kind) -> tuple[Solids, float]:
+        if (pair, kind) not in self._nearest:
+            self._nearest[pair, kind] = best_of_kind(pair, self.rig, kind)
+        return self._nearest[pair, kind]
 
     def _with_longer(self, solid: Solids) -> list[Supported]:
         """A longer solid with support makes the shorter one, a part of it, unbelievable."""
@@ -91,7 +103,7 @@ class Images:
     def hides_a_side(self, pair: Pair) -> bool:
         """Whether the edges around an object of unknown shape hint that its outlines show a part of it only."""
         for kind in (CYLINDER, BOX):
-            longer = self.longer(best_of_kind(pair, self.rig, kind)[0])
+            longer = self.longer(self._of_kind(pair, kind)[0])
             if longer is not None and longer.raises_doubt:
                 return True
         return False
