@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.shapes.kinds import BOX, SPHERE
+from stereo_pick.core.shapes.kinds import BOX, SPHERE, cross, dot
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _ANGLE = np.sin(np.deg2rad(6))  # within which an axis stands or lies
@@ -56,7 +56,8 @@ def _orientation_votes(normal: Floats, turned: Sequence[SolidFit]) -> float:
 
 def _standing(normal: Floats, fit: SolidFit) -> float:
     """Sine of the angle between the normal and the nearest axis that may stand."""
-    return float(np.linalg.norm(np.cross(np.array(_axes(fit)), normal), axis=1).min())
+    across = cross(np.array(_axes(fit)), normal)
+    return float(np.sqrt(dot(across, across).min()))
 
 
 def _lying(normal: Floats, fit: SolidFit) -> float:

@@ -102,13 +102,15 @@ def _searched(sight: Sight, kind: Kind, table_normal: Floats | None, stages: tup
     """One solid of this kind for every object: many at first, of which ever fewer are pursued."""
     sparse, fine = sight.coarse(), sight.without_corners()
     objects, solids = starts(sparse, kind, table_normal, stages[0].kept)
-    now = fitted(sparse.only(objects), solids, own_tangents)
+    now, rough = fitted(sparse.only(objects), solids, own_tangents), True
     for stage in stages:
         few = _fewest(now, objects, stage.kept)
         objects, now = objects[few], now.only(few)
         seen, touch = (sparse, own_tangents) if stage.rough else (fine, nearest_tangents)
         seen = seen.only(objects)
-        now = refine(seen, fitted(seen, now.solids, touch), stage.rounds, touch)
+        if stage.rough != rough:
+            now, rough = fitted(seen, now.solids, touch), stage.rough
+        now = refine(seen, now, stage.rounds, touch)
     return now
 
 
