@@ -16,7 +16,7 @@ from stereo_pick.core.correspondence.one_face import shows_one_face
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.shadow import SHARP
-from stereo_pick.core.objects.splitting import CUT
+from stereo_pick.core.objects.splitting import CUT, may_be_two
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solids
 from stereo_pick.core.shapes.fitting import best_of_kind, can_be_fitted
@@ -28,7 +28,6 @@ _HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow m
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.12  # ... and where the outline is all that is known
 _MAY_BE_CUT = 0.25
-_MAY_BE_NOTCHED = 0.5  # of max_concavity, where nothing says that it is one part
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _SHARP_LIMB = 0.75
@@ -82,7 +81,7 @@ def _locate(
     best = images.best([each for each in (outlines, (strictly[0], strictly[1])) if can_be_fitted(each)])
     if best is not None:
         return _by_solid(images.rig, blobs, best.fit)
-    if max(blob.concavity for blob in blobs) > _MAY_BE_NOTCHED * max_concavity:
+    if notched or any(may_be_two(blob) for blob in blobs):
         return _refused(blobs, "merged")
     if max(_cut(blob) for blob in blobs) > _MAY_BE_CUT:
         return _refused(blobs, "merged")

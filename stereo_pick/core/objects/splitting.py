@@ -23,6 +23,8 @@ _ENDS = 60  # points of the outline at which a cut may end
 _MIN_PART = 0.1  # of the area
 _MUST_GAIN = 0.5  # part of the missing area (hull less outline) that a cut must explain
 _CLEARLY_GAINS = 0.75  # ... and of a shallow notch, in a part of what is known to be several
+_NEARLY_ALL = 0.65
+_NOTICED = 0.012  # part of the area, beyond the noise of an outline
 _MAX_PARTS = 6
 
 
@@ -47,25 +49,38 @@ def split(blob: Blob, max_concavity: float) -> list[Blob]:
     return [blob] if parts else whole
 
 
+def may_be_two(blob: Blob) -> bool:
+    """Whether one cut would explain nearly all that the outline lacks of being convex, as between two parts of which
+    one stands behind the other; the open end of a tube is in no way explained by a cut."""
+    missing = _missing_area(blob.contour_px)
+    if missing < _NOTICED * blob.area_px2:
+        return False
+    return any(left < (1 - _NEARLY_ALL) * missing for *_, left in _halves(blob))
+
+
 def _best_cut(blob: Blob, must_gain: float) -> tuple[Blob, Blob] | None:
     """The two parts of least missing area, if that is clearly less than the missing area of the whole."""
     missing = _missing_area(blob.contour_px)
     best, least = None, (1 - must_gain) * missing
-    for begin, end in _cuts(blob):
-        one, other = _arc(begin, end, len(blob.contour_px)), _arc(end, begin, len(blob.contour_px))
-        areas = [_area(blob.contour_px[arc]) for arc in (one, other)]
-        if min(areas) < _MIN_PART * blob.area_px2:
-            continue
-        left = _missing_area(blob.contour_px[one]) + _missing_area(blob.contour_px[other])
-        left += _cut_length(blob, begin, end) ** 2 * _CUT_COST
-        if left < least:
-            best, least = (one, other), left
+    for begin, end, one, other, left in _halves(blob):
+        cost = left + _cut_length(blob, begin, end) ** 2 * _CUT_COST
+        if cost < least:
+            best, least = (one, other), cost
     if best is None:
         return None
     return _part(blob, best[0]), _part(blob, best[1])
 
 
 _CUT_COST = 0.02
+
+
+def _halves(blob: Blob) -> Iterator[tuple[int, int, Ints, Ints, float]]:
+    """The ends of each cut that leaves no sliver, both arcs of the contour, and their missing area together [px²]."""
+    for begin, end in _cuts(blob):
+        one, other = _arc(begin, end, len(blob.contour_px)), _arc(end, begin, len(blob.contour_px))
+        if min(_area(blob.contour_px[arc]) for arc in (one, other)) >= _MIN_PART * blob.area_px2:
+            left = _missing_area(blob.contour_px[one]) + _missing_area(blob.contour_px[other])
+            yield begin, end, one, other, left
 
 
 def _cuts(blob: Blob) -> Iterator[tuple[int, int]]:

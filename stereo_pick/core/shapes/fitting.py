@@ -41,7 +41,8 @@ _SEARCHES = (  # and how much, in units of the noise, the kinds before must have
     (BOX, _QUICK, 1.0),
     (CYLINDER, _THOROUGH, 1.0),
     (BOX, _THOROUGH, 1.0),
-    (HEX_PRISM, _THOROUGH, 0.5),
+    (HEX_PRISM, _QUICK, 0.5),
+    (HEX_PRISM, _THOROUGH, 1.0),
 )
 
 Pair = tuple[Outline, Outline]
