@@ -342,8 +342,11 @@ def test_correspondence_tells_of_exchanged_images_and_matches_none(graph: Graph,
     )
     from stereo_pick.ros.messages.correspondences import correspondences_of
 
-    counts = {len(correspondences_of(message)) for message in found}
-    assert counts == {0, 4}
+    def counts() -> set[int]:
+        return {len(correspondences_of(message)) for message in found}
+
+    graph.wait(lambda: 4 in counts(), "the objects, which may come after what is said of them")
+    assert counts() == {0, 4}
 
 
 def test_correspondence_names_a_rectified_image_that_does_not_fit_its_camera_info(graph: Graph) -> None:

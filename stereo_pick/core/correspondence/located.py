@@ -26,7 +26,7 @@ from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 _ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point
 _HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow may have some, too
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
-_MAY_FADE_UNEXPLAINED = 0.12  # ... and where the outline is all that is known
+_MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
 _MAY_BE_CUT = 0.25
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length

@@ -104,7 +104,7 @@ class Images:
         """Whether the edges around an object of unknown shape hint that its outlines show a part of it only."""
         for kind in (CYLINDER, BOX):
             longer = self.longer(self._of_kind(pair, kind)[0])
-            if longer is not None and longer.raises_doubt:
+            if longer is not None and longer.believable:
                 return True
         return False
 
