@@ -28,6 +28,7 @@ _HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow m
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
 _MAY_BE_CUT = 0.25
+_NOTCH, _FADES = 0.5, 0.02  # of max_concavity, of the outline, in both views: light fades where the notch is
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _SHARP_LIMB = 0.75
@@ -85,7 +86,8 @@ def _locate(
         return _refused(blobs, "merged")
     if max(_cut(blob) for blob in blobs) > _MAY_BE_CUT:
         return _refused(blobs, "merged")
-    if fading > _MAY_FADE_UNEXPLAINED or (can_be_fitted(outlines) and images.hides_a_side(outlines)):
+    half_lit = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(_fades(b) for b in blobs) > _FADES
+    if half_lit or fading > _MAY_FADE_UNEXPLAINED or (can_be_fitted(outlines) and images.hides_a_side(outlines)):
         return _refused(blobs, "half_lit")
     return _by_outlines(images.rig, blobs, None)
 
