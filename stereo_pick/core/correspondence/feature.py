@@ -55,12 +55,6 @@ class Feature(Method):
     max_area_ratio: float = parameter(
         1.5, "By what factor an object's areas in the two views may differ.", low=1.0, high=10.0
     )
-    max_concavity: float = parameter(
-        0.15,
-        "Depth of the deepest notch in an outline, as a part of its width, from which it is taken for touching parts.",
-        low=0.01,
-        high=10.0,
-    )
     reference_point: str = parameter(
         "volume",
         "Which point of an object its position is: the centre of its volume, the middle of its top, or the point of "
@@ -102,7 +96,7 @@ class Feature(Method):
     def _collected(
         self, pair: RectifiedPair, blobs: Blobs, matched: list[BlobPair], doubtful: list[BlobPair]
     ) -> Correspondences:
-        kept, lost = _told_apart(self._located(pair, matched))
+        kept, lost = _told_apart(self._located(pair, matched, blobs.max_concavity))
         dealt_with = [blob for each, _ in kept for blob in each] + [blob for each in doubtful for blob in each]
         blobs, rows = self._apart(pair, blobs, dealt_with)
         found, lost_parts = _told_apart(rows)
@@ -125,14 +119,18 @@ class Feature(Method):
             return [], rows
         return [row for row in rows if row[1].fit], [row for row in rows if not row[1].fit]
 
-    def _located(self, pair: RectifiedPair, matched: list[BlobPair]) -> list[Row]:
+    def _located(self, pair: RectifiedPair, matched: list[BlobPair], max_concavity: float) -> list[Row]:
         if all(len(blob.sharpness) for each in matched for blob in each):
-            return list(zip(matched, locate(pair, matched, self.max_concavity, self.flat_parts)))
+            return list(zip(matched, locate(pair, matched, max_concavity, self.flat_parts)))
         return [((one, two), Located(one.centroid_px, two.centroid_px, _PLAIN_SIGMA_PX, None)) for one, two in matched]
 
     def _apart(self, pair: RectifiedPair, blobs: Blobs, dealt_with: list[Blob]) -> tuple[Blobs, list[Row]]:
         """The objects with touching ones taken apart, as far as at least one part is found, and those parts."""
-        parts = {id(blob): self._split(blob) for blob in (*blobs.left, *blobs.right) if not _among(blob, dealt_with)}
+        parts = {
+            id(blob): _parts(blob, blobs.max_concavity)
+            for blob in (*blobs.left, *blobs.right)
+            if not _among(blob, dealt_with)
+        }
         if all(len(each) <= 1 for each in parts.values()):
             return blobs, []
         whole = {id(part): blob for blob in (*blobs.left, *blobs.right) for part in parts.get(id(blob), [])}
@@ -140,19 +138,14 @@ class Feature(Method):
             [part for blob in side for part in parts.get(id(blob), [])] for side in (blobs.left, blobs.right)
         )
         matched, _ = self._paired(pair.rig, left, right)
-        rows = [_unless_a_face(row) for row in self._located(pair, matched)]
+        rows = [_unless_a_face(row) for row in self._located(pair, matched, blobs.max_concavity)]
         found = [whole[id(blob)] for each, where in rows if not where.reason for blob in each]
         rows = [row for row in rows if any(_among(whole[id(blob)], found) for blob in row[0])]
         opened = [
             tuple(part for blob in side for part in (parts[id(blob)] if _among(blob, found) else [blob]))
             for side in (blobs.left, blobs.right)
         ]
-        return Blobs(opened[0], opened[1], blobs.polarity), rows
-
-    def _split(self, blob: Blob) -> list[Blob]:
-        if blob.fault == "merged":
-            return split(replace(blob, fault=""), self.max_concavity)
-        return [] if blob.fault else [blob]
+        return replace(blobs, left=opened[0], right=opened[1]), rows
 
     def _match(self, rig: StereoRig, left: Blob, where: Located, normal: Floats | None) -> Match:
         length, width, direction = left.rectangle
@@ -178,6 +171,12 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
         return []
     areas = np.array([blob.area_px2 for blob in right])
     return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
+
+
+def _parts(blob: Blob, max_concavity: float) -> list[Blob]:
+    if blob.fault == "merged":
+        return split(replace(blob, fault=""), max_concavity)
+    return [] if blob.fault else [blob]
 
 
 def _told_apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:

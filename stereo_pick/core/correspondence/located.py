@@ -15,8 +15,8 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.one_face import shows_one_face
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.objects.shadow import SHARP
-from stereo_pick.core.objects.splitting import CUT, may_be_two
+from stereo_pick.core.objects.blob import SHARP
+from stereo_pick.core.objects.splitting import may_be_two
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solids
 from stereo_pick.core.shapes.fitting import best_of_kind, can_be_fitted
@@ -28,6 +28,7 @@ _HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow m
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
 _MAY_BE_CUT = 0.25
+_SLIGHT = 0.25  # of max_concavity
 _NOTCH, _FADES = 0.5, 0.02  # of max_concavity, of the outline, in both views: light fades where the notch is
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
@@ -70,23 +71,23 @@ def locate(pair: RectifiedPair, matched: Sequence[BlobPair], max_concavity: floa
 def _locate(
     images: Images, blobs: BlobPair, outlines: tuple[Outline, Outline], fit: SolidFit | None, max_concavity: float
 ) -> Located:
-    fading = max(_fades(blob) for blob in blobs)
+    fading = max(blob.fading for blob in blobs)
     notched = any(blob.concavity > max_concavity for blob in blobs)
     if fit is not None and not notched and fading <= _MAY_FADE:
         longer = _longer(images, outlines, blobs, fit)
         if longer is not None:
             return _stretched(images.rig, blobs, fit, longer.fit) if longer.believable else _refused(blobs, "half_lit")
-        complete = max(fading, *(_cut(blob) for blob in blobs)) <= _COMPLETE
+        complete = max(fading, *(blob.cut_share for blob in blobs)) <= _COMPLETE
         return _by_outlines(images.rig, blobs, fit) if complete else _by_solid(images.rig, blobs, fit)
     strictly = tuple(Outline.from_contour(blob.contour_px, blob.sharpness >= _SURELY_SHARP) for blob in blobs)
     best = images.best([each for each in (outlines, (strictly[0], strictly[1])) if can_be_fitted(each)])
     if best is not None:
         return _by_solid(images.rig, blobs, best.fit)
-    if notched or any(may_be_two(blob) for blob in blobs):
+    if notched or any(blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs):
         return _refused(blobs, "merged")
-    if max(_cut(blob) for blob in blobs) > _MAY_BE_CUT:
+    if max(blob.cut_share for blob in blobs) > _MAY_BE_CUT:
         return _refused(blobs, "merged")
-    half_lit = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(_fades(b) for b in blobs) > _FADES
+    half_lit = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(b.fading for b in blobs) > _FADES
     if half_lit or fading > _MAY_FADE_UNEXPLAINED or (can_be_fitted(outlines) and images.hides_a_side(outlines)):
         return _refused(blobs, "half_lit")
     return _by_outlines(images.rig, blobs, None)
@@ -114,14 +115,6 @@ def _longer(images: Images, outlines: tuple[Outline, Outline], blobs: BlobPair, 
         return None
     longer = images.contradicts(best_of_kind(outlines, images.rig, CYLINDER)[0])
     return longer if longer is not None and longer.believable else None
-
-
-def _fades(blob: Blob) -> float:
-    return float((blob.sharpness < SHARP)[blob.sharpness > CUT].mean())
-
-
-def _cut(blob: Blob) -> float:
-    return float((blob.sharpness <= CUT).mean())
 
 
 def _refused(blobs: BlobPair, reason: str) -> Located:

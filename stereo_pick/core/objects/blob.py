@@ -11,6 +11,15 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.errors import ArrayError
 
+MAX_CONCAVITY = 0.15
+"""Depth of the deepest notch in the outline of one part, as a part of its width."""
+
+SHARP = 0.25
+"""Sharpness from which a contour point is on an edge, and not where light merely fades."""
+
+CUT = -1.0
+"""Sharpness of contour points where there is no edge: touching parts were cut apart there."""
+
 
 @dataclass(frozen=True, eq=False)
 class Blob:
@@ -19,8 +28,8 @@ class Blob:
     contour_px: (N, 2) [px], sub-pixel, pixel centres at whole numbers; contrast: grey levels by
     which the object differs from its background; cut: whether the image border cuts it off;
     fault: why it must not be matched, a reason of `refusal.REASONS`, or empty; sharpness: (N,), how much of the
-    change of light at each contour point is a step (see `edge_model`; on a cut see `splitting`), or (0,) where that
-    was not measured.
+    change of light at each contour point is a step (see `edge_model`), CUT on a cut, or (0,) where that was not
+    measured.
     """
 
     contour_px: Floats
@@ -62,6 +71,17 @@ class Blob:
             a, b, degrees = b, a, degrees + 90
         return float(a), float(b), float(np.deg2rad((degrees + 90) % 180 - 90))
 
+    @property
+    def fading(self) -> float:
+        """The part of the outline, without cuts, where light fades instead of ending; 0 where that was not measured."""
+        own = self.sharpness[self.sharpness > CUT]
+        return float((own < SHARP).mean()) if len(own) else 0.0
+
+    @property
+    def cut_share(self) -> float:
+        """The part of the outline that lies on a cut."""
+        return float((self.sharpness <= CUT).mean()) if len(self.sharpness) else 0.0
+
     @cached_property
     def concavity(self) -> float:
         """Depth of the deepest notch in the outline, as a part of the object's width.
@@ -82,13 +102,15 @@ class Blob:
 class Blobs:
     """The objects found in both rectified views, and the polarity that both were found with.
 
-    view_faults: why the left and the right view cannot show all objects, a reason of `refusal.REASONS`, or empty.
+    view_faults: why the left and the right view cannot show all objects, a reason of `refusal.REASONS`, or empty;
+    max_concavity: that of one part's outline.
     """
 
     left: tuple[Blob, ...]
     right: tuple[Blob, ...]
     polarity: str
     view_faults: tuple[str, str] = ("", "")
+    max_concavity: float = MAX_CONCAVITY
 
     def sound(self) -> tuple[list[Blob], list[Blob]]:
         """The objects of the left and of the right view that may be matched."""

@@ -13,7 +13,7 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ImageError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.background_files import load_background
-from stereo_pick.core.objects.blob import Blob, Blobs
+from stereo_pick.core.objects.blob import MAX_CONCAVITY, Blob, Blobs
 from stereo_pick.core.objects.exposure import view_fault, with_saturation
 from stereo_pick.core.objects.focus import is_out_of_focus
 from stereo_pick.core.objects.foreground import Contrast, contrast_with, foreground, measure_contrast
@@ -64,16 +64,14 @@ class Detector(Configurable):
         0.15, "The same, as a part of the strongest object's contrast in that view.", low=0.0, high=1.0
     )
     max_concavity: float = parameter(
-        0.15,
-        "Depth of the deepest notch in an outline, as a part of its width, from which it is refused as merged: the "
-        "outline of one convex part has none, that of touching or half-lit parts has. 10 accepts every outline.",
+        MAX_CONCAVITY,
+        "Depth of the deepest notch in an outline, as a part of its width, from which it is merged: the outline of one "
+        "convex part has none, that of touching or half-lit parts has. 10 accepts every outline.",
         low=0.01,
         high=10.0,
     )
     closing_px: int = parameter(3, "Gaps up to this width are closed (step 4); 0 closes none.", low=0, high=99)
-    subpixel: bool = parameter(
-        True, "Refine each outline to the half-way grey level; false is the thesis's pixel mask."
-    )
+    subpixel: bool = parameter(True, "Place each outline to a part of a pixel; false is the thesis's pixel mask.")
 
     def __post_init__(self) -> None:
         """Read the background file, if it is there already; a node may still have to learn it."""
@@ -104,6 +102,7 @@ class Detector(Configurable):
             self._finished(best.left, left, best.polarity),
             self._finished(best.right, right, best.polarity),
             best.polarity,
+            max_concavity=self.max_concavity,
         )
         return replace(found, view_faults=(self._view_fault(found.left, left), self._view_fault(found.right, right)))
 

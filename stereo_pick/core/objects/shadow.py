@@ -11,22 +11,14 @@ from stereo_pick.core.objects.blob import Blob
 from stereo_pick.core.objects.foreground import Contrast
 from stereo_pick.core.objects.outline import parts
 
-SHARP = 0.25
-"""Sharpness from which a contour point is on an edge, and not where light merely fades."""
-
 _MAY_FADE = 0.05  # part of an outline that may fade before a shadow is looked for
 _MAY_BE_NOTCHED = 0.05
 _MUST_GAIN = 0.5
 
 
-def fading(blob: Blob) -> float:
-    """The part of the outline where light fades instead of ending."""
-    return float((blob.sharpness < SHARP).mean()) if len(blob.sharpness) else 0.0
-
-
 def may_hold_shadow(blob: Blob) -> bool:
     """Whether so much of the outline fades that it is worth looking for a shadow in it."""
-    return fading(blob) > _MAY_FADE
+    return blob.fading > _MAY_FADE
 
 
 def strongest_parts(blob: Blob, contrast: Contrast, polarity: str, min_area_px: int) -> Iterator[Blob]:
@@ -56,5 +48,5 @@ def clearer(parts: list[Blob], whole: Blob) -> bool:
     if not parts or max(part.concavity for part in parts) > max(whole.concavity, _MAY_BE_NOTCHED):
         return False
     points = sum(len(part.contour_px) for part in parts)
-    faded = sum(fading(part) * len(part.contour_px) for part in parts) / points
-    return faded < (1 - _MUST_GAIN) * fading(whole)
+    faded = sum(part.fading * len(part.contour_px) for part in parts) / points
+    return faded < (1 - _MUST_GAIN) * whole.fading

@@ -12,10 +12,7 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints
-from stereo_pick.core.objects.blob import Blob
-
-CUT = -1.0
-"""Sharpness of contour points where there is no edge, but a cut."""
+from stereo_pick.core.objects.blob import CUT, Blob
 
 _MIN_NOTCH = 0.25  # of the deepest one: shallower notches are not where a cut begins
 _BEGINNINGS = 4

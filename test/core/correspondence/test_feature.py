@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from outlines import BASELINE_M, PARALLEL, blank_pair, disc, seen
+from outlines import BASELINE_M, PARALLEL, blank_pair, disc, discs, grey_image, seen
 
 from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.correspondence.feature import Feature, least_area_difference
-from stereo_pick.core.objects import Blob
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects import Blob, Detector
 from stereo_pick.core.refusal import count_reasons
 
 PAIR = blank_pair()
@@ -120,3 +121,17 @@ def test_the_size_and_direction_are_those_of_the_left_outline() -> None:
     found = match([Blob(bar + (300, 240), 100.0)], [Blob(bar * (0.8, 1) + (200, 240), 100.0)])
     np.testing.assert_allclose(found.size_px, [(80, 20)], atol=1e-3)
     assert found.direction_rad[0] == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("max_concavity", "count"), [(0.15, 0), (10.0, 1)])
+def test_who_allows_every_outline_gets_a_notched_part_located(max_concavity: float, count: int) -> None:
+    """The limit is said once, for finding and for locating."""
+    views = [
+        grey_image(discs([(300.0 + shift, 240.0, 20.0), (332.0 + shift, 240.0, 20.0)]), noise_dn=1.0, seed=shift)
+        for shift in (0, 60)
+    ]
+    blobs = Detector(max_concavity=max_concavity).detect(RectifiedPair(views[1], views[0], PARALLEL))
+    whole = [blob for blob in blobs.left if blob.concavity > 0.15]
+    assert len(whole) == 1
+    found = Feature().match(RectifiedPair(views[1], views[0], PARALLEL), blobs)
+    assert sum(extent is None for extent in found.extents) == count

@@ -10,7 +10,7 @@ from outlines import PARALLEL, discs, grey_image
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Detector
-from stereo_pick.core.objects.shadow import clearer, fading, may_hold_shadow
+from stereo_pick.core.objects.shadow import clearer, may_hold_shadow
 
 TABLE, PART = 180.0, 40.0
 PLACE, RADIUS = (300.4, 220.3), 30.0
@@ -71,8 +71,8 @@ def outlined(radius_px: float, fades: float, notched: bool = False) -> Blob:
 
 
 def test_fading_is_a_share_of_the_outline() -> None:
-    assert fading(outlined(20, 0.3)) == pytest.approx(0.3)
-    assert fading(Blob(outlined(20, 0).contour_px, 100.0)) == 0.0
+    assert outlined(20, 0.3).fading == pytest.approx(0.3)
+    assert Blob(outlined(20, 0).contour_px, 100.0).fading == 0.0
     assert may_hold_shadow(outlined(20, 0.1)) and not may_hold_shadow(outlined(20, 0.04))
 
 

@@ -10,7 +10,8 @@ import pytest
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.objects.splitting import CUT, split
+from stereo_pick.core.objects.blob import CUT
+from stereo_pick.core.objects.splitting import split
 
 MAX_CONCAVITY = 0.15
 FINE = 8
