@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
+from stereo_pick.core.correspondence.apart import Row, among, taken_apart
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
@@ -19,7 +20,6 @@ from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, r
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
-from stereo_pick.core.objects.splitting import split
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
@@ -27,10 +27,7 @@ from stereo_pick.core.shapes import common_normal
 
 Pairs = list[tuple[int, int]]
 
-Row = tuple[BlobPair, Located]
-
 _PLAIN_SIGMA_PX = 0.3  # of a centroid of whole pixels: shading moves its edges along whole arcs
-_FLAT = 0.15  # thickness by length
 
 
 @dataclass(frozen=True)
@@ -98,9 +95,13 @@ class Feature(Method):
     ) -> Correspondences:
         kept, lost = _told_apart(self._located(pair, matched, blobs.max_concavity))
         dealt_with = [blob for each, _ in kept for blob in each] + [blob for each in doubtful for blob in each]
-        blobs, rows = self._apart(pair, blobs, dealt_with)
+
+        def located(left: list[Blob], right: list[Blob]) -> list[Row]:
+            return self._located(pair, self._paired(pair.rig, left, right)[0], blobs.max_concavity)
+
+        blobs, rows = taken_apart(blobs, dealt_with, located)
         found, lost_parts = _told_apart(rows)
-        lost = [row for row in lost if all(_among(blob, (*blobs.left, *blobs.right)) for blob in row[0])] + lost_parts
+        lost = [row for row in lost if all(among(blob, (*blobs.left, *blobs.right)) for blob in row[0])] + lost_parts
         dealt_with += [blob for each, _ in found + lost for blob in each]
         kept = sorted(kept + found, key=lambda row: float(row[1].left_px[0]))
         refused = [Refusal(where.reason, where.left_px, where.right_px) for _, where in lost]
@@ -123,29 +124,6 @@ class Feature(Method):
         if all(len(blob.sharpness) for each in matched for blob in each):
             return list(zip(matched, locate(pair, matched, max_concavity, self.flat_parts)))
         return [((one, two), Located(one.centroid_px, two.centroid_px, _PLAIN_SIGMA_PX, None)) for one, two in matched]
-
-    def _apart(self, pair: RectifiedPair, blobs: Blobs, dealt_with: list[Blob]) -> tuple[Blobs, list[Row]]:
-        """The objects with touching ones taken apart, as far as at least one part is found, and those parts."""
-        parts = {
-            id(blob): _parts(blob, blobs.max_concavity)
-            for blob in (*blobs.left, *blobs.right)
-            if not _among(blob, dealt_with)
-        }
-        if all(len(each) <= 1 for each in parts.values()):
-            return blobs, []
-        whole = {id(part): blob for blob in (*blobs.left, *blobs.right) for part in parts.get(id(blob), [])}
-        left, right = (
-            [part for blob in side for part in parts.get(id(blob), [])] for side in (blobs.left, blobs.right)
-        )
-        matched, _ = self._paired(pair.rig, left, right)
-        rows = [_unless_a_face(row) for row in self._located(pair, matched, blobs.max_concavity)]
-        found = [whole[id(blob)] for each, where in rows if not where.reason for blob in each]
-        rows = [row for row in rows if any(_among(whole[id(blob)], found) for blob in row[0])]
-        opened = [
-            tuple(part for blob in side for part in (parts[id(blob)] if _among(blob, found) else [blob]))
-            for side in (blobs.left, blobs.right)
-        ]
-        return replace(blobs, left=opened[0], right=opened[1]), rows
 
     def _match(self, rig: StereoRig, left: Blob, where: Located, normal: Floats | None) -> Match:
         length, width, direction = left.rectangle
@@ -173,12 +151,6 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
     return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
 
 
-def _parts(blob: Blob, max_concavity: float) -> list[Blob]:
-    if blob.fault == "merged":
-        return split(replace(blob, fault=""), max_concavity)
-    return [] if blob.fault else [blob]
-
-
 def _told_apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
     """Those whose place is known, and those that must be refused."""
     return [row for row in rows if not row[1].reason], [row for row in rows if row[1].reason]
@@ -187,15 +159,3 @@ def _told_apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
 def _located_blobs(blobs: Sequence[Blob]) -> list[Blob]:
     """Those whose place can be known: touching or half-lit parts too, as far as a solid explains them."""
     return [blob for blob in blobs if blob.fault == "" or (blob.fault == "merged" and len(blob.sharpness))]
-
-
-def _among(blob: Blob, others: Sequence[Blob]) -> bool:
-    return any(blob is other for other in others)
-
-
-def _unless_a_face(row: Row) -> Row:
-    """One face of a half-lit part would pass for a flat part: what was cut out must be a body."""
-    (left, right), where = row
-    if where.fit is None or where.fit.size_m.min() > _FLAT * where.fit.size_m.max():
-        return row
-    return row[0], Located(left.centroid_px, right.centroid_px, 1.0, None, "merged")
