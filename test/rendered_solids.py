@@ -12,7 +12,7 @@ from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.kinds import KINDS
-from stereo_pick.core.shapes.sight import Solids
+from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.transform import Transform
 
 FROM_ABOVE = Lamp((0.0, 0.0, 1.0))

@@ -15,8 +15,9 @@ from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.outline import Outline
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
 from stereo_pick.core.shapes.residuals import own_tangents
-from stereo_pick.core.shapes.sight import Sight, Solids
+from stereo_pick.core.shapes.sight import Sight
 from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.starts import starts
 
 NOISE_PX = 0.1  # by which arcs of a sub-pixel outline are off

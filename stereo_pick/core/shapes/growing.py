@@ -15,7 +15,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.kinds import HEX_PRISM, SPHERE
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
-from stereo_pick.core.shapes.sight import Solids
+from stereo_pick.core.shapes.solids import Solids
 
 _STEP_PX = 3.0
 _NEW_PX = 4.0  # how far a point lies outside the old silhouette to be one of the new part

@@ -16,8 +16,8 @@ from stereo_pick.core.shapes.fitting import NOISE_PX, Pair, best_of_kind
 from stereo_pick.core.shapes.growing import grown, is_longer
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE, Kind
 from stereo_pick.core.shapes.locking import Locked, lock
-from stereo_pick.core.shapes.sight import Solids
 from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.solids import Solids
 
 _SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
 _PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a median

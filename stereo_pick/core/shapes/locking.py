@@ -14,7 +14,8 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.outline import POINTS, Outline
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
-from stereo_pick.core.shapes.sight import Sight, Solids
+from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.solids import Solids
 
 _ROUNDS = 4
 _SHIFTS_PX = (0.0, -1.2, 1.2)

@@ -12,7 +12,8 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.shapes.kinds import SPHERE, Prism, Round, dot
 from stereo_pick.core.shapes.residuals import Tangents
-from stereo_pick.core.shapes.sight import Sight, Solids
+from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.solids import Solids
 
 _SIDES = 24
 _NEXT = np.roll(np.arange(_SIDES), -1)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.shapes.sight import Solids, tangent_planes
+from stereo_pick.core.shapes.sight import tangent_planes
+from stereo_pick.core.shapes.solids import Solids
 
 _DIRECTIONS = 48
 

@@ -10,7 +10,8 @@ import numpy as np
 from stereo_pick.core.arrays import Bools, Floats, Ints
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.residuals import Tangents, residuals
-from stereo_pick.core.shapes.sight import Sight, Solids
+from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.solids import Solids
 
 Touch = Callable[[Sight, Solids], Tangents]
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.kinds import cross, dot
-from stereo_pick.core.shapes.sight import Sight, Solids, tangent_planes
+from stereo_pick.core.shapes.sight import Sight, tangent_planes
+from stereo_pick.core.shapes.solids import Solids
 
 
 class Tangents(NamedTuple):

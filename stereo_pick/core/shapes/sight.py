@@ -11,7 +11,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.kinds import Kind, dot
+from stereo_pick.core.shapes.kinds import dot
 from stereo_pick.core.shapes.outline import Outline
 
 
@@ -73,33 +73,6 @@ class Sight:
             inner=self.inner[which],
             smooth=self.smooth[which],
         )
-
-
-@dataclass(frozen=True, eq=False)
-class Solids:
-    """S solids of one kind.
-
-    centre_m: (S, 3), rotation: (S, 3, 3) with their axes as columns, both in the rectified left frame; half_m:
-    (S, sizes); turns: (S, 3, Q), the axes in the solid's own frame about which each may be turned.
-    """
-
-    kind: Kind
-    centre_m: Floats
-    rotation: Floats
-    half_m: Floats
-    turns: Floats
-
-    def only(self, chosen: Ints) -> Solids:
-        """These of them."""
-        return Solids(self.kind, self.centre_m[chosen], self.rotation[chosen], self.half_m[chosen], self.turns[chosen])
-
-    def size_m(self) -> Floats:
-        """Full sizes (S, 3) along the axes."""
-        return 2 * self.half_m[:, self.kind.axes] * self.kind.spans
-
-    def seen_from(self, eyes_m: Floats) -> Floats:
-        """The centres (S, E, 1, 3) [m] as seen from eyes (E, 3)."""
-        return np.asarray((self.centre_m[:, None] - eyes_m)[:, :, None])
 
 
 def tangent_planes(points: Floats, normals: Floats) -> Floats:

@@ -11,8 +11,8 @@ from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ArrayError
 from stereo_pick.core.shapes.kinds import KINDS, SPHERE, Round
-from stereo_pick.core.shapes.sight import Solids
 from stereo_pick.core.shapes.solid_angle import centroid_px
+from stereo_pick.core.shapes.solids import Solids
 
 _POINTS = 96
 

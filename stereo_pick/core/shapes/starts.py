@@ -10,7 +10,8 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Ints, frozen
 from stereo_pick.core.shapes.kinds import BOX, HEX_PRISM, Kind
 from stereo_pick.core.shapes.residuals import own_tangents, residuals
-from stereo_pick.core.shapes.sight import Sight, Solids
+from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.solids import Solids
 
 _DIRECTIONS = 24
 _BOX_STEPS = (-0.4, -0.24, -0.08, 0.08, 0.24, 0.4)

@@ -15,7 +15,7 @@ from rigs import RIGS, rotation
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.locking import Locked, lock
-from stereo_pick.core.shapes.sight import Solids
+from stereo_pick.core.shapes.solids import Solids
 
 RIG = RIGS["thesis"]
 TABLE = table_before(RIG, 0.9, elevation_deg=50)
