@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.feature import Feature
@@ -19,23 +20,69 @@ from stereo_pick.core.rig import StereoRig
 
 _CONVINCING_COST = 0.1  # on the scale of `Similarity.costs`, where 1 is barely possible
 _CLEARLY_WORSE = 4.0
+_SAME_PART = 3.0  # factor of the areas of one part where a view shows only half of it, or its shadow or neighbour too
+_SEVERAL = 3
 
 
 def rig_fault(blobs: Blobs, rig: StereoRig) -> str:
     """Why no object of this pair may be believed: `swapped`, `misaligned`, or nothing.
 
-    swapped: the objects fit only, or clearly better, when left and right change places. misaligned: at most half of
-    the objects that could have a partner have one; what hides an object hides it from one camera, not half from each.
+    swapped: the objects fit only, or clearly better, when left and right change places. misaligned: see
+    `_is_misaligned`.
     """
-    left, right = blobs.sound()
-    possible = min(len(left), len(right))
-    count, cost = _fit(left, right, rig)
-    if count == possible and cost < _CONVINCING_COST:
-        return ""
-    other_count, other_cost = _fit(_seen_by(right, rig.right, rig.left), _seen_by(left, rig.left, rig.right), rig)
-    if other_count > count or (0 < other_count == count and cost > _CLEARLY_WORSE * other_cost):
+    if _is_swapped(*blobs.sound(), rig):
         return "swapped"
-    return "misaligned" if possible >= 2 and 2 * count <= possible else ""
+    return "misaligned" if _is_misaligned(blobs, rig) else ""
+
+
+def _is_swapped(left: list[Blob], right: list[Blob], rig: StereoRig) -> bool:
+    count, cost = _fit(left, right, rig)
+    if count == min(len(left), len(right)) and cost < _CONVINCING_COST:
+        return False
+    other_count, other_cost = _fit(_seen_by(right, rig.right, rig.left), _seen_by(left, rig.left, rig.right), rig)
+    return other_count > count or (0 < other_count == count and cost > _CLEARLY_WORSE * other_cost)
+
+
+def _is_misaligned(blobs: Blobs, rig: StereoRig) -> bool:
+    """Whether the rows at which the outlines begin and end do not fit the calibration.
+
+    An epipolar plane that touches a part touches it for both cameras. Half light, shadows and neighbours move the top
+    or the bottom of an outline, each in its own way; a camera that has turned moves both, and those of all parts. So
+    each part is asked for that end that fits better: at most half of the parts have one that fits (what hides a part
+    hides it from one camera, not half of them from each), or those of several are off to one side.
+    """
+    left, right = ([blob for blob in side if blob.fault in ("", "merged")] for side in (blobs.left, blobs.right))
+    possible = min(len(left), len(right))
+    if possible < 2:
+        return False
+    method = Feature()
+    offset_px = _end_offsets_px(left, right)
+    tolerance_px = method.epipolar_tolerance_px + method.shape_tolerance * _lesser_heights_px(left, right)
+    cost = (offset_px / tolerance_px) ** 2
+    areas = np.log([blob.area_px2 for blob in left])[:, None] - np.log([blob.area_px2 for blob in right])
+    disparity_px = _columns_px(left)[:, None] - _columns_px(right)
+    least_px, most_px = method.disparities_px(rig)
+    may_be = (cost <= 1) & (np.abs(areas) < np.log(_SAME_PART)) & (disparity_px >= least_px) & (disparity_px <= most_px)
+    pairs = assign(np.where(may_be, cost, np.inf), unmatched_cost=1.0)
+    if 2 * len(pairs) <= possible:
+        return True
+    return len(pairs) >= _SEVERAL and abs(np.median([offset_px[pair] for pair in pairs])) > method.epipolar_tolerance_px
+
+
+def _end_offsets_px(left: list[Blob], right: list[Blob]) -> Floats:
+    """By how many rows (N, M) the tops or the bottoms of two outlines differ, whichever fit better [px]."""
+    ends = np.array([blob.rows_px for blob in left])[:, None] - np.array([blob.rows_px for blob in right])
+    return np.asarray(np.where(np.abs(ends[..., 0]) < np.abs(ends[..., 1]), ends[..., 0], ends[..., 1]))
+
+
+def _lesser_heights_px(left: list[Blob], right: list[Blob]) -> Floats:
+    """The lesser of the heights of two outlines (N, M) [px]."""
+    one, other = (np.diff([blob.rows_px for blob in side])[:, 0] for side in (left, right))
+    return np.asarray(np.minimum(one[:, None], other))
+
+
+def _columns_px(blobs: list[Blob]) -> Floats:
+    return np.array([blob.centroid_px[0] for blob in blobs])
 
 
 def _fit(left: list[Blob], right: list[Blob], rig: StereoRig) -> tuple[int, float]:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from outlines import seen
+from outlines import PARALLEL, seen
 from rendering import Scene, balls, render
 from rigs import RIGS, rotation
 
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.correspondence.rig_check import rig_fault
 from stereo_pick.core.frames import StereoFrame
-from stereo_pick.core.objects import Detector
+from stereo_pick.core.objects import Blob, Detector
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.refusal import RIG_FAULTS
 from stereo_pick.core.rig import StereoRig
@@ -57,6 +59,57 @@ def test_nothing_seen_says_nothing() -> None:
 @pytest.mark.parametrize("rig_name", ["verged", "parallel", "thesis"])
 def test_nothing_is_believed_when_the_right_camera_has_tilted(rig_name: str, pitch_deg: float) -> None:
     rig = RIGS[rig_name]
+    tilt = Transform(rotation((np.deg2rad(pitch_deg), 0, 0)), np.zeros(3))
+    stale = StereoRig.from_extrinsics(rig.left, rig.right, tilt @ rig.right_T_left)
+    frame = rendered(rig_name, "several")
+    assert fault(stale, frame.left, frame.right) in RIG_FAULTS
+
+
+Ends = tuple[float, float]
+"""The rows at which an outline begins and ends [px]."""
+
+WHOLE: tuple[Ends, ...] = ((60, 130), (120, 180), (200, 290), (240, 300), (330, 400))
+
+
+def outline(column_px: float, ends: Ends) -> Blob:
+    top, bottom = ends
+    return Blob(np.array([(column_px - 25, top), (column_px + 25, top), (column_px, bottom)]), contrast=100.0)
+
+
+def fault_of(left: Sequence[Ends], right: Sequence[Ends], faults: str = "") -> str:
+    one, other = (
+        [replace(outline(80 + 100 * i - shift_px, ends), fault=faults) for i, ends in enumerate(side)]
+        for shift_px, side in ((0, left), (30, right))
+    )
+    return rig_fault(seen(one, other), PARALLEL)
+
+
+@pytest.mark.parametrize("faults", ["", "merged"])
+@pytest.mark.parametrize("seed", range(8))
+def test_outlines_cut_short_or_drawn_out_at_one_end_each_are_no_sign_of_a_moved_camera(seed: int, faults: str) -> None:
+    random = np.random.default_rng(seed)
+    at_top, by_px = random.random(len(WHOLE)) < 0.5, random.uniform(-25, 25, len(WHOLE))
+    right = [(a + by * top, b + by * (not top)) for (a, b), top, by in zip(WHOLE, at_top, by_px)]
+    assert fault_of(WHOLE, right, faults) == ""
+
+
+@pytest.mark.parametrize("by_px", [-40.0, -8.0, -3.0, -2.0, 2.0, 3.0, 8.0, 40.0])
+def test_outlines_that_are_all_off_to_one_side_are(by_px: float) -> None:
+    random = np.random.default_rng(1)
+    right = [(a + by_px + random.normal(0, 0.2), b + by_px + random.normal(0, 0.2)) for a, b in WHOLE]
+    assert fault_of(WHOLE, right) == "misaligned"
+
+
+def test_outlines_that_are_off_to_both_sides_a_little_are_not() -> None:
+    right = [(a + by, b + by) for (a, b), by in zip(WHOLE, (-1.9, 1.6, 0.2, 1.8, -1.7))]
+    assert fault_of(WHOLE, right) == ""
+
+
+@pytest.mark.parametrize("pitch_deg", [-0.25, 0.25])
+@pytest.mark.parametrize("rig_name", ["verged", "parallel", "thesis"])
+def test_a_tilt_by_a_few_pixels_is_noticed(rig_name: str, pitch_deg: float) -> None:
+    rig = RIGS[rig_name]
+    assert 2 < rig.focal_px * np.deg2rad(abs(pitch_deg)) < 6
     tilt = Transform(rotation((np.deg2rad(pitch_deg), 0, 0)), np.zeros(3))
     stale = StereoRig.from_extrinsics(rig.left, rig.right, tilt @ rig.right_T_left)
     frame = rendered(rig_name, "several")
