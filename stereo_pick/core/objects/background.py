@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,9 @@ _CHECKED = 200
 _TUKEY = 4.685  # 95 % efficient for normal noise
 _MIN_SIGMA = 0.6  # rounding to whole grey levels alone, over two samples
 _TERMS = 6
+_PLANE = 3  # of the terms
+_HALF, _THIRD = 0.5, 1 / 3  # of the view, at least, that a background covers
+_CLEARLY_TIGHTER = 2.0
 _FEW = 3  # one in so many samples is enough for most of the iterations
 
 
@@ -49,15 +53,28 @@ class Background:
 class _Samples:
     """Where the background is looked at, and all of the fit that does not depend on the grey levels there.
 
-    index: (N,) into the flat image; terms: (N, 6); trial: (T, 6) samples that make one trial surface each, solve:
-    (T, 6, 6) the surface through them; check: (C,) samples that judge it.
+    index: (N,) into the flat image; terms: (N, 6); quadratics, planes: trial surfaces; check: (C,) samples that judge
+    them.
     """
 
     index: Ints
     terms: Floats
-    trial: Ints
-    solve: Floats
+    quadratics: _Trials
+    planes: _Trials
     check: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class _Trials:
+    """Trial surfaces of K terms: samples (T, K) that make one each, and solve (T, K, K), the surface through them."""
+
+    samples: Ints
+    solve: Floats
+
+    @staticmethod
+    def of(terms: Floats, draw: np.random.Generator) -> _Trials:
+        samples = draw.integers(len(terms), size=(_TRIALS, terms.shape[1]))
+        return _Trials(samples, np.asarray(np.linalg.inv(terms[samples] + 1e-9 * np.eye(terms.shape[1])), np.float64))
 
 
 def even_background(level: float, shape: tuple[int, ...]) -> Background:
@@ -69,25 +86,39 @@ def even_background(level: float, shape: tuple[int, ...]) -> Background:
 def fit_background(image: NDArray[np.float32], valid: Bools) -> Background:
     """Fit a quadratic surface to the background, robustly: Tukey's biweight, from a least-median-of-squares start.
 
-    Vignetting and the fall-off of a lamp are smooth; objects are outliers, as long as they cover
-    less than about two fifths of the view. image: (H, W) grey; valid: (H, W), the pixels to look at.
+    Vignetting and the fall-off of a lamp are smooth; objects are outliers, as long as they cover less than about two
+    fifths of the view. Where the table ends within the view, neither it nor what lies beyond need cover half: a third
+    is believed where it is clearly smoother. image: (H, W) grey; valid: (H, W), the pixels to look at.
     """
     height, width = image.shape
     stride_px = max(1, int(np.sqrt(image.size / _SAMPLES)))
     samples = _samples((height, width), stride_px, valid[::stride_px, ::stride_px].tobytes())
     grey = image.reshape(-1)[samples.index].astype(np.float64)
-    coefficients = _start(samples, grey)
+    half, half_sigma = _fitted(samples, samples.quadratics, grey, _HALF)
+    third, third_sigma = _fitted(samples, samples.planes, grey, _THIRD)
+    if third_sigma * _CLEARLY_TIGHTER < half_sigma:
+        residual = grey - samples.terms @ third
+        own = residual[np.abs(residual) < _TUKEY * third_sigma]
+        return Background(third, (height, width), spread(own))
+    return Background(half, (height, width), half_sigma)
+
+
+def _fitted(samples: _Samples, trials: _Trials, grey: Floats, least_part: float) -> tuple[NDArray[np.floating], float]:
+    """Coefficients (6,) of the surface that explains at least a part of the grey levels (N,), and its sigma."""
+    coefficients = _start(samples, trials, grey, least_part)
     for part in (np.s_[::_FEW], np.s_[:]):
-        coefficients = refined(coefficients, samples.terms[part], grey[part])
-    return Background(coefficients, (height, width), spread(grey - samples.terms @ coefficients))
+        coefficients = refined(coefficients, samples.terms[part], grey[part], least_part)
+    return coefficients, spread(grey - samples.terms @ coefficients, least_part)
 
 
-def refined(coefficients: NDArray[np.floating], terms: Floats, grey: Floats) -> NDArray[np.floating]:
+def refined(
+    coefficients: NDArray[np.floating], terms: Floats, grey: Floats, least_part: float = _HALF
+) -> NDArray[np.floating]:
     """Coefficients of terms (N, T) that explain N grey levels, by Tukey's biweight, from a first guess of them."""
     ridge = 1e-6 * len(grey) * np.eye(terms.shape[1])
     for _ in range(_MAX_ITERATIONS):
         residual = grey - terms @ coefficients
-        sigma = spread(residual)
+        sigma = spread(residual, least_part)
         weight = np.maximum(1 - (residual / (_TUKEY * sigma)) ** 2, 0) ** 2
         weighted = terms.T * weight
         before, coefficients = coefficients, np.linalg.solve(weighted @ terms + ridge, weighted @ grey)
@@ -96,16 +127,18 @@ def refined(coefficients: NDArray[np.floating], terms: Floats, grey: Floats) -> 
     return coefficients
 
 
-def _start(samples: _Samples, grey: Floats) -> NDArray[np.floating]:
-    """The surface through a few samples that leaves the least median residual (Rousseeuw 1984).
+def _start(samples: _Samples, trials: _Trials, grey: Floats, least_part: float) -> NDArray[np.floating]:
+    """The surface through a few samples that leaves the least residual in a part of the view (Rousseeuw 1984).
 
     The biweight alone, started from the median, follows large objects on a background that is not even.
     """
-    surfaces = (samples.solve * grey[samples.trial][:, None]).sum(axis=2)
-    surfaces[0] = [_median(grey), *[0.0] * (_TERMS - 1)]
+    surfaces = np.zeros((_TRIALS, _TERMS))
+    surfaces[:, : trials.solve.shape[2]] = (trials.solve * grey[trials.samples][:, None]).sum(axis=2)
+    surfaces[0] = [_quantile(grey, _HALF), *[0.0] * (_TERMS - 1)]
     seen = samples.terms[samples.check].T.astype(np.float32)
     residual = np.abs(surfaces.astype(np.float32) @ seen - grey[samples.check].astype(np.float32))
-    return np.asarray(surfaces[np.partition(residual, _CHECKED // 2, axis=1)[:, _CHECKED // 2].argmin()])
+    last = int(least_part * _CHECKED)
+    return np.asarray(surfaces[np.partition(residual, last, axis=1)[:, last].argmin()])
 
 
 @lru_cache(maxsize=8)
@@ -117,10 +150,8 @@ def _samples(shape: tuple[int, int], stride_px: int, valid: bytes) -> _Samples:
     u, v = x / shape[1] - 0.5, y / shape[0] - 0.5
     terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=-1)
     draw = np.random.default_rng(0)  # seeded: the same image must give the same objects
-    trial = draw.integers(len(at), size=(_TRIALS, _TERMS))
-    check = draw.integers(len(at), size=_CHECKED)
-    solve = np.asarray(np.linalg.inv(terms[trial] + 1e-9 * np.eye(_TERMS)), np.float64)
-    return _Samples(y * shape[1] + x, terms, trial, solve, check)
+    quadratics, check = _Trials.of(terms, draw), draw.integers(len(at), size=_CHECKED)
+    return _Samples(y * shape[1] + x, terms, quadratics, _Trials.of(terms[:, :_PLANE], draw), check)
 
 
 @lru_cache(maxsize=8)
@@ -130,10 +161,17 @@ def _axes(shape: tuple[int, int]) -> tuple[NDArray[np.float32], Floats]:
     return np.stack([np.ones_like(v), v, v * v], axis=1).astype(np.float32), u
 
 
-def spread(residual: Floats) -> float:
-    """One sigma of residuals (N,), robustly; not less than that of rounding."""
-    return max(1.4826 * _median(np.abs(residual)), _MIN_SIGMA)
+def spread(residual: Floats, least_part: float = _HALF) -> float:
+    """One sigma of residuals (N,) of which at least a part is normal; not less than that of rounding."""
+    return max(_quantile(np.abs(residual), least_part) / _normal(least_part), _MIN_SIGMA)
 
 
-def _median(values: Floats) -> float:
-    return float(np.partition(values, len(values) // 2)[len(values) // 2])
+@lru_cache(maxsize=2)
+def _normal(part: float) -> float:
+    """Within how many sigmas this part of normal residuals lies."""
+    return NormalDist().inv_cdf((1 + part) / 2)
+
+
+def _quantile(values: Floats, part: float) -> float:
+    at = int(part * len(values))
+    return float(np.partition(values, at)[at])

@@ -36,6 +36,20 @@ def test_parts_over_a_third_of_the_view_do_not_bend_it(contrast: float) -> None:
     np.testing.assert_allclose(background.level, surface(), atol=0.5)
 
 
+@pytest.mark.parametrize("ends_at", [0.45, 0.5, 0.55])
+@pytest.mark.parametrize("seed", range(3))
+def test_where_the_table_ends_half_way_it_or_the_floor_is_found(seed: int, ends_at: float) -> None:
+    table, image = noisy(1.0, seed), noisy(1.0, seed) - 70
+    end = int(ends_at * SIZE_PX[0])
+    image[:, end:] = table[:, end:]
+    image[100:250, 30:130] += 120.0
+    image[100:250, 450:600] += 60.0
+    background = fit_background(image.astype(np.float32), EVERYWHERE)
+    assert background.sigma < 1.5
+    off = min((image - background.level)[300:, part].std() for part in (np.s_[:end], np.s_[end:]))
+    assert off < 1.5
+
+
 def test_what_lies_outside_the_raw_image_does_not_count() -> None:
     image, inside = noisy(1.0), EVERYWHERE.copy()
     inside[:, 420:] = False
