@@ -146,7 +146,8 @@ class Detector(Configurable):
         clear = self._refined([blob for blob in blobs if blob.contrast >= least], contrast)
         if polarity == "dark":
             clear = self._without_shadows(clear, contrast)
-        found = [self._checked(blob, contrast.view) for blob in with_saturation(clear, contrast.view.image)] + faint
+        soft = self.subpixel and is_out_of_focus([blob for blob in clear if not blob.cut], contrast.view.image)
+        found = [self._checked(blob, soft) for blob in with_saturation(clear, contrast.view.image)] + faint
         return tuple(sorted(found, key=lambda blob: float(blob.centroid_px[0])))
 
     def _without_shadows(self, blobs: list[Blob], contrast: Contrast) -> list[Blob]:
@@ -169,12 +170,12 @@ class Detector(Configurable):
             for blob, silhouette in zip(blobs, traced)
         ]
 
-    def _checked(self, blob: Blob, view: View) -> Blob:
+    def _checked(self, blob: Blob, out_of_focus: bool) -> Blob:
         if blob.cut:
             return replace(blob, fault="cut_by_border")
         if blob.fault:
             return blob
-        if self.subpixel and is_out_of_focus(blob, view.image):
+        if out_of_focus:
             return replace(blob, fault="out_of_focus")
         return replace(blob, fault="merged") if blob.concavity > self.max_concavity else blob
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
@@ -31,9 +33,13 @@ def blur_px(blob: Blob, image: Image) -> float:
     return float(np.partition(rise_px, sharpest)[sharpest] / np.sqrt(2 * np.pi))
 
 
-def is_out_of_focus(blob: Blob, image: Image) -> bool:
-    """Whether no part of the outline is sharp enough to be placed."""
-    return blur_px(blob, image) > MAX_BLUR_PX
+def is_out_of_focus(blobs: Sequence[Blob], image: Image) -> bool:
+    """Whether no part of any of these outlines is sharp enough to be placed.
+
+    Where a lens is in focus for some parts of a view, a soft outline is one along which light fades; that is known
+    from its sharpness.
+    """
+    return bool(blobs) and all(blur_px(blob, image) > MAX_BLUR_PX for blob in blobs)
 
 
 def _profiles(contour_px: Floats, image: Image) -> Floats:

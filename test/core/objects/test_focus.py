@@ -31,7 +31,16 @@ def test_the_blur_of_a_disc_is_measured(blur: float, surface: float, background:
 @pytest.mark.parametrize("off_px", [-3.0, 3.0])
 def test_an_outline_beside_the_edge_does_not_hide_the_blur(off_px: float) -> None:
     image = grey_image(discs([(300.0, 240.0, 30.0)]), blur_px=4.0, noise_dn=1.0)
-    assert is_out_of_focus(disc(300.0, 240.0, 30.0 + off_px, points=190), image)
+    assert is_out_of_focus([disc(300.0, 240.0, 30.0 + off_px, points=190)], image)
+
+
+def test_a_part_whose_light_fades_towards_its_rim_is_not_out_of_focus_beside_a_sharp_one() -> None:
+    v, u = np.mgrid[:480, :640]
+    fading = 100 * np.clip(1 - (np.hypot(u - 450, v - 300) / 40) ** 2, 0, 1) ** 2
+    image = grey_image(discs([(200.0, 240.0, 30.0)]) + fading, noise_dn=1.0)
+    sharp, soft = disc(200.0, 240.0, 30.0, points=190), disc(450.0, 300.0, 22.0, points=140)
+    assert is_out_of_focus([soft], image)
+    assert not is_out_of_focus([sharp, soft], image)
 
 
 @pytest.mark.parametrize("blur", [2.6, 4.0, 6.0, 8.0])
