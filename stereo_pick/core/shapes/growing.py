@@ -55,10 +55,15 @@ def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap]) -> Solids | N
     if not likely.any():
         return None
     candidates = _stretched(solid, lengths_m).only(np.flatnonzero(likely))
-    seen = [_shown(candidates, old[i], eyes_m[i : i + 1], view, _ALL) for i, view in enumerate(views)]
-    share, count = np.min([part for part, _ in seen], axis=0), np.sum([points for _, points in seen], axis=0)
-    best = int(np.where(share >= _ALL.enough, share + count / (4 * _ALL.points), 0.0).argmax())
-    return candidates.only(np.array([best])) if share[best] >= _ALL.enough else None
+    share, count = np.ones(len(candidates.centre_m)), np.zeros(len(candidates.centre_m))
+    for i, view in enumerate(views):
+        part, points = _shown(candidates, old[i], eyes_m[i : i + 1], view, _ALL)
+        left = np.flatnonzero(part >= _ALL.enough)
+        if not len(left):
+            return None
+        candidates = candidates.only(left)
+        share, count = np.minimum(share, part)[left], (count + points)[left]
+    return candidates.only(np.array([(share + count / (4 * _ALL.points)).argmax()]))
 
 
 def _shown(solids: Solids, old: Floats, eye_m: Floats, view: EdgeMap, look: _Look) -> tuple[Floats, Floats]:
