@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -16,7 +17,7 @@ _SMOOTH = np.convolve(_BLUR, [0.25, 0.5, 0.25])
 _SLOPE = np.convolve(_BLUR, [-0.5, 0.0, 0.5])
 _CLEAR = 5.0  # sigmas of the gradient from which it is an edge
 _STEP_PX = 0.5
-_ROWS, _COLUMNS = 12, 3  # one in so many is looked at for the noise
+_SAMPLED = 4  # every so many pixels for the noise
 _LEAST_NOISE = 0.1  # grey levels a pixel: rounding alone
 _CHUNK = 16000  # remap takes no longer rows
 
@@ -35,10 +36,8 @@ class EdgeMap:
     @staticmethod
     def of(image: Image, camera: Camera) -> EdgeMap:
         """Look at a view (H, W)."""
-        rows = len(image) // _ROWS * _ROWS
-        strips = image[:rows].reshape(-1, _ROWS, image.shape[1])[:, : len(_SLOPE)].reshape(-1, image.shape[1])
-        slopes = cv2.sepFilter2D(strips, cv2.CV_32F, _SLOPE, _SMOOTH)[len(_SLOPE) // 2 :: len(_SLOPE), ::_COLUMNS]
-        return EdgeMap(image, max(1.4826 * float(np.median(np.abs(slopes))), _LEAST_NOISE), camera)
+        along_rows = cv2.sepFilter2D(image, cv2.CV_32F, _SLOPE, _SMOOTH)[::_SAMPLED, ::_SAMPLED]
+        return EdgeMap(image, max(1.4826 * float(np.median(np.abs(along_rows))), _LEAST_NOISE), camera)
 
     def shows(self, points_px: Floats, normals: Floats, reach_px: float) -> Bools:
         """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line."""
@@ -47,17 +46,19 @@ class EdgeMap:
         low = np.clip(np.floor(points_px.min(axis=0) - margin_px).astype(np.int64), 0, (width - 1, height - 1))
         high = np.maximum(np.ceil(points_px.max(axis=0) + margin_px).astype(np.int64), low) + 1
         around = self.image[low[1] : high[1], low[0] : high[0]]
-        slopes = cv2.sepFilter2D(around, cv2.CV_32F, _SLOPE, _SMOOTH), cv2.sepFilter2D(around, cv2.CV_32F, _SMOOTH, _SLOPE)
+        slopes = [cv2.sepFilter2D(around, cv2.CV_32F, *way) for way in ((_SLOPE, _SMOOTH), (_SMOOTH, _SLOPE))]
         reach = np.arange(-reach_px, reach_px + _STEP_PX / 2, _STEP_PX)
         parts = [slice(i, i + _CHUNK) for i in range(0, len(points_px), _CHUNK)]
-        strength = [_across(*slopes, points_px[part] - low, normals[part], reach) for part in parts]
+        strength = [_across(slopes, points_px[part] - low, normals[part], reach) for part in parts]
         return np.asarray(np.concatenate(strength) > _CLEAR * self.noise)
 
 
-def _across(x: Image, y: Image, points_px: Floats, normals: Floats, reach_px: Floats) -> Floats:
-    """How steep (N,) grey levels with this gradient x, y (h, w) are across normals (N, 2), at their steepest."""
+def _across(
+    slopes: Sequence[NDArray[np.floating | np.integer]], points_px: Floats, normals: Floats, reach_px: Floats
+) -> Floats:
+    """How steep (N,) grey levels whose slopes along x and y (h, w) are known are across normals (N, 2), at most."""
     at = (points_px[:, None] + reach_px[:, None] * normals[:, None]).astype(np.float32)
-    u, v = cv2.remap(x, at, None, cv2.INTER_LINEAR), cv2.remap(y, at, None, cv2.INTER_LINEAR)
-    slope = u * normals[:, :1] + v * normals[:, 1:]
+    x, y = (cv2.remap(slope, at[..., 0], at[..., 1], cv2.INTER_LINEAR) for slope in slopes)
+    slope = x * normals[:, :1] + y * normals[:, 1:]
     along = cv2.blur(slope, (1, 3), borderType=cv2.BORDER_REPLICATE)  # an edge goes on beside the point
     return np.asarray(np.abs(along).max(axis=1), np.float64)

@@ -16,6 +16,7 @@ from stereo_pick.core.shapes.outline import Outline
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
 from stereo_pick.core.shapes.residuals import own_tangents
 from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.six_sides import may_have_six_sides
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.starts import starts
@@ -23,6 +24,7 @@ from stereo_pick.core.shapes.starts import starts
 NOISE_PX = 0.1  # by which arcs of a sub-pixel outline are off
 _LEAST_TRUSTED = 12  # points in each view
 _HIDDEN = 0.1  # share of an outline without which kinds are mistaken for each other
+_NEAR = 2.0  # noise within which a quick look must have come for a thorough one, where another kind explains all
 _A_SIDE = 1 / 6  # share without which anything may be mistaken for six sides
 
 
@@ -73,13 +75,22 @@ def fit_solids(
     sight = Sight.of([pairs[i] for i in seen], rig)
     unseen = sight.inner.mean(axis=(1, 2))
     least, left = np.full(len(seen), np.inf), np.full(len(seen), np.inf)
+    six_sided, like_a_box = unseen < _A_SIDE, np.full(len(seen), True)
     for kind, stages, worthwhile in _SEARCHES:
         doubtful = (left > worthwhile * noise_px) | (unseen > _HIDDEN)
-        remaining = np.flatnonzero(doubtful & (unseen < _A_SIDE) if kind is HEX_PRISM else doubtful)
+        if kind is BOX:
+            doubtful &= np.isinf(left) | like_a_box
+        remaining = np.flatnonzero(doubtful & six_sided if kind is HEX_PRISM else doubtful)
         if not len(remaining):
             continue
         found = _searched(sight.only(remaining), kind, table_normal, stages)
         misfit, cost = misfit_px(found, noise_px), complaint(found, noise_px)
+        if kind is BOX:
+            like_a_box[remaining] = misfit <= _NEAR * noise_px
+        if kind is CYLINDER:
+            round_ = np.flatnonzero(explained(misfit, noise_px))
+            possible = may_have_six_sides(sight.only(remaining[round_]), found.only(round_), noise_px)
+            six_sided[remaining[round_]] &= possible
         covariance = centre_covariance(found, noise_px)
         fixed = determined(found, covariance)
         for at in np.flatnonzero(explained(misfit, noise_px) & (cost < least[remaining])):

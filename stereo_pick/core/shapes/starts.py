@@ -73,8 +73,8 @@ def _orientations(kind: Kind, table_normal: Floats | None) -> tuple[Floats, Floa
         rotations = _free_orientations(kind)
         return rotations, np.broadcast_to(np.eye(3)[:, list(kind.turns)], (len(rotations), 3, len(kind.turns)))
     upright = _frame(table_normal)
-    standing = _turned(*_YAWS.get(kind, (0.0, 1)))
-    lying = np.empty((0, 3, 3)) if kind is BOX else _turned(np.pi, _LYING) @ _ON_ITS_SIDE
+    standing = turned(*_YAWS.get(kind, (0.0, 1)))
+    lying = np.empty((0, 3, 3)) if kind is BOX else turned(np.pi, _LYING) @ _ON_ITS_SIDE
     rotations = upright @ np.concatenate([standing, lying])
     return rotations, (rotations.transpose(0, 2, 1) @ upright[:, 2])[..., None]
 
@@ -90,7 +90,7 @@ def _free_orientations(kind: Kind) -> Floats:
         z, turn = 1 - steps / _DIRECTIONS, np.pi * (1 + 5**0.5) * steps  # Fibonacci's spiral
         across = np.sqrt(1 - z * z)
         frames = np.stack([_frame(np.array(a)) for a in zip(across * np.cos(turn), across * np.sin(turn), z)])
-        turns = _turned(np.pi / 3, _HEX_TURNS if kind is HEX_PRISM else 1)
+        turns = turned(np.pi / 3, _HEX_TURNS if kind is HEX_PRISM else 1)
         return _read_only((frames[:, None] @ turns).reshape(-1, 3, 3))
     vectors = np.stack(np.meshgrid(_BOX_STEPS, _BOX_STEPS, _BOX_STEPS), axis=-1).reshape(-1, 3)
     angle = np.linalg.norm(vectors, axis=1, keepdims=True)  # tan of half the angle of the turn
@@ -105,7 +105,7 @@ def _frame(axis: Floats) -> Floats:
     return np.stack([x, np.cross(z, x), z], axis=1)
 
 
-def _turned(period: float, count: int) -> Floats:
+def turned(period: float, count: int) -> Floats:
     """Turns (count, 3, 3) about the third axis, evenly spread over a period [rad]."""
     angle = np.arange(count) * (period / count)
     c, s, none, one = np.cos(angle), np.sin(angle), np.zeros(count), np.ones(count)
