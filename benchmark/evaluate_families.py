@@ -1,6 +1,7 @@
 """Prints what the package finds in families of rendered scenes with exact truth, as Markdown.
 
 python benchmark/evaluate_families.py [--family NAME ...] [--seeds N] [--cache DIR] [--method feature|ssd] [--jobs N]
+python benchmark/evaluate_families.py --rivals --write docs/families.md
 python benchmark/evaluate_families.py --show FAMILY SEED OUT.png
 """
 
@@ -8,25 +9,30 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache, partial
 from multiprocessing import get_context
 from pathlib import Path
+from typing import TypeVar
 
 import cv2
 import numpy as np
+from accuracy import replace_generated
 from families import FAMILIES
 from family_cache import taken
 from family_picture import picture
+from family_report import report
+from family_rivals import RivalScore, rival_scores
 from family_scoring import SceneScore, score
-from family_tables import accuracy_table, detection_table, failed_scenes, size_table
+from family_tables import failed_scenes
 from rendering.rigs import BENCH_RIGS
 
 from stereo_pick.core.configuration import parsed, steps
 from stereo_pick.core.pipeline import Pipeline
 
 Job = tuple[str, int]
+T = TypeVar("T")
 
 
 def main() -> None:
@@ -39,9 +45,15 @@ def main() -> None:
         return
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     jobs = [(family, seed) for family in options.family or FAMILIES for seed in seeds]
-    scores = _scores(jobs, partial(_scored, options.method, tuple(options.param), options.cache), options.jobs)
-    tables = (detection_table(scores), accuracy_table(scores), size_table(scores))
-    print("\n\n".join((*tables, failed_scenes(scores)) if options.failures else tables))
+    scores = _each(jobs, partial(_scored, options.method, tuple(options.param), options.cache), options.jobs)
+    rivals = _each(jobs, partial(_rivals, options.cache), options.jobs) if options.rivals else []
+    text = report(scores, [each for of_scene in rivals for each in of_scene])
+    if options.write:
+        replace_generated(options.write, text)
+    else:
+        print(text)
+    if options.failures:
+        print(f"\n{failed_scenes(scores)}")
     if options.dump:
         options.dump.write_text(json.dumps([_record(each) for each in scores], indent=1), encoding="utf-8")
 
@@ -56,12 +68,14 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--cache", type=Path, help="folder that keeps the rendered scenes")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--dump", type=Path, help="JSON file for the errors, object by object")
+    parser.add_argument("--rivals", action="store_true", help="other methods on some families as well")
+    parser.add_argument("--write", type=Path, help="page whose generated part is replaced")
     parser.add_argument("--failures", action="store_true", help="list the scenes that are not wholly right")
     parser.add_argument("--show", nargs=3, metavar=("FAMILY", "SEED", "OUT.png"), help="draw one scene")
     return parser.parse_args()
 
 
-def _scores(jobs: Sequence[Job], scored: partial[SceneScore], processes: int) -> list[SceneScore]:
+def _each(jobs: Sequence[Job], scored: Callable[[Job], T], processes: int) -> list[T]:
     if processes == 1:
         return [scored(job) for job in jobs]
     with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
@@ -73,6 +87,11 @@ def _scored(method: str, param: tuple[str, ...], folder: Path | None, job: Job) 
     family, seed = job
     rig_name, frame, truth = taken(family, seed, folder)
     return score(family, seed, _pipeline(rig_name, method, param), frame, truth)
+
+
+def _rivals(folder: Path | None, job: Job) -> list[RivalScore]:
+    cv2.setNumThreads(1)
+    return rival_scores(*job, folder)
 
 
 @cache

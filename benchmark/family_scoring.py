@@ -71,6 +71,16 @@ class SceneScore:
         return [abs(float(second - first)) for first, second in combinations(required, 2)]
 
     @property
+    def distances_m(self) -> list[float]:
+        """Distance of every required object that was found from where it is."""
+        return [each.distance_m for each in self.found if each.truth.required]
+
+    @property
+    def mahalanobis2(self) -> list[float]:
+        """Of every pose that was published, however wrong; infinite where no object is near that it could be."""
+        return [each.mahalanobis2 for each in self.found] + [np.inf] * len(self.ghosts_m)
+
+    @property
     def wrong(self) -> int:
         """Published and off by more than WRONG_M, ghosts among them."""
         return sum(each.distance_m > WRONG_M for each in self.found) + len(self.ghosts_m)
@@ -84,7 +94,11 @@ def score(family: str, seed: int, pipeline: Pipeline, frame: StereoFrame, truth:
     """Run the pipeline on a scene's raw pair."""
     begin = time.process_time()
     poses = pipeline.run(frame).poses
-    seconds = time.process_time() - begin
+    return held_against(truth, poses, family, seed, time.process_time() - begin)
+
+
+def held_against(truth: Truth, poses: ObjectPoses, family: str, seed: int, seconds: float = 0.0) -> SceneScore:
+    """What these poses, in the left frame, are worth in a scene; seconds: what it took to find them."""
     pairs = _one_to_one(truth, poses.xyz)
     ghosts = np.delete(poses.xyz, [row for _, row in pairs], axis=0)
     return SceneScore(

@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from family_scoring import SceneScore
 from formatting import Row, markdown_table
-
-CHI2_3_95 = 7.815
+from mahalanobis import CHI2_ROW, HEADER, distribution_row
 
 Column = tuple[str, Callable[[Sequence[SceneScore]], str]]
 
@@ -27,20 +26,18 @@ def detection_table(scores: Sequence[SceneScore]) -> str:
         ("> 5 mm wrong", lambda of: str(sum(each.wrong for each in of))),
         ("refused", lambda of: _reasons(of)),
     ]
-    return _by_family(scores, columns)
+    return _table(scores, columns)
 
 
 def accuracy_table(scores: Sequence[SceneScore]) -> str:
-    """Errors [mm] of the required objects that were found; the last two columns speak of all poses that are objects."""
+    """Errors [mm] of the required objects that were found."""
     columns: list[Column] = [
         ("ΔZ mean", lambda of: _mm(np.mean, _depths(of))),
         ("max", lambda of: _mm(np.max, _depths(of))),
         ("position mean", lambda of: _mm(np.mean, _distances(of))),
         ("max", lambda of: _mm(np.max, _distances(of))),
-        ("d² 95 %", lambda of: _number(lambda values: np.percentile(values, 95), _mahalanobis(of), 1)),
-        ("d² < 7.81", lambda of: _number(lambda values: np.mean(np.array(values) < CHI2_3_95), _mahalanobis(of), 2)),
     ]
-    return _by_family(scores, columns)
+    return _table(scores, columns)
 
 
 def size_table(scores: Sequence[SceneScore]) -> str:
@@ -56,7 +53,16 @@ def size_table(scores: Sequence[SceneScore]) -> str:
         ("max", lambda of: _number(np.max, _yaws_deg(of), 1)),
         ("ms a pair, median", lambda of: f"{np.median([each.seconds for each in of]) * 1000:.1f}"),
     ]
-    return _by_family(scores, columns)
+    return _table(scores, columns)
+
+
+def covariance_table(scores: Sequence[SceneScore]) -> str:
+    """Squared Mahalanobis distances of all poses that were published, beside chi-square."""
+    rows: list[Row] = [
+        (family, *distribution_row([square for each in of for square in each.mahalanobis2]))
+        for family, of in by_family(scores)
+    ]
+    return markdown_table(("family", *HEADER), [("chi-square, 3 degrees of freedom", *CHI2_ROW), *rows])
 
 
 def failed_scenes(scores: Iterable[SceneScore]) -> str:
@@ -69,14 +75,17 @@ def failed_scenes(scores: Iterable[SceneScore]) -> str:
     )
 
 
-def _by_family(scores: Sequence[SceneScore], columns: Sequence[Column]) -> str:
-    families = list(dict.fromkeys(each.family for each in scores))
-    rows: list[Row] = []
-    for family in families:
-        of = [each for each in scores if each.family == family]
-        rows.append((family, *(cell(of) for _, cell in columns)))
-    if len(families) > 1:
-        rows.append(("all", *(cell(scores) for _, cell in columns)))
+def by_family(scores: Sequence[SceneScore]) -> list[tuple[str, Sequence[SceneScore]]]:
+    """The scores family by family, and where there are several, all of them at last."""
+    names = dict.fromkeys(each.family for each in scores)
+    apart: list[tuple[str, Sequence[SceneScore]]] = [
+        (name, [each for each in scores if each.family == name]) for name in names
+    ]
+    return [*apart, ("all", scores)] if len(names) > 1 else apart
+
+
+def _table(scores: Sequence[SceneScore], columns: Sequence[Column]) -> str:
+    rows = [(family, *(cell(of) for _, cell in columns)) for family, of in by_family(scores)]
     return markdown_table(("family", *(name for name, _ in columns)), rows)
 
 
@@ -85,11 +94,7 @@ def _depths(scores: Iterable[SceneScore]) -> list[float]:
 
 
 def _distances(scores: Iterable[SceneScore]) -> list[float]:
-    return [found.distance_m for each in scores for found in each.found if found.truth.required]
-
-
-def _mahalanobis(scores: Iterable[SceneScore]) -> list[float]:
-    return [found.mahalanobis2 for each in scores for found in each.found]
+    return [distance for each in scores for distance in each.distances_m]
 
 
 def _sizes(scores: Iterable[SceneScore], axis: int) -> list[float]:

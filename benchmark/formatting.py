@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import statistics
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 Row = Sequence[str]
@@ -24,3 +25,14 @@ def markdown_table(header: Row, rows: Sequence[Row], words: bool = False) -> str
 def decimals(value: float, places: int) -> str:
     """A number with that many decimals."""
     return f"{value:.{places}f}"
+
+
+def mean_and_max(values: Iterable[float]) -> str:
+    """Both, with two decimals; a dash where there are none."""
+    listed = list(values)
+    return f"{statistics.fmean(listed):.2f}, max {max(listed):.2f}" if listed else "–"
+
+
+def percent(share: float) -> str:
+    """A share of one, in percent with one decimal."""
+    return f"{100 * share:.1f} %"

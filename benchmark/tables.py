@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import statistics
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
-from formatting import Row, decimals, markdown_table
+from formatting import Row, decimals, markdown_table, mean_and_max
 from rivals import FEATURE, SSD, Contender
 from scenes import GROUPS
 from scoring import Score, of
@@ -76,9 +76,9 @@ def _row(scores: Sequence[Score], contender: str, group: str) -> Row:
         f"{len(hits)} / {sum(score.required for score in own)}",
         str(sum(score.ghosts for score in own)),
         str(sum(score.refused.total() for score in own)),
-        _mean_and_max(hit.error_mm for hit in hits),
-        _mean_and_max(float(np.linalg.norm(error)) for score in own for error, _ in score.placed),
-        _mean_and_max(abs(depth.calculated_m - depth.actual_m) * 1000 for score in own for depth in score.depths),
+        mean_and_max(hit.error_mm for hit in hits),
+        mean_and_max(float(np.linalg.norm(error)) for score in own for error, _ in score.placed),
+        mean_and_max(abs(depth.calculated_m - depth.actual_m) * 1000 for score in own for depth in score.depths),
         decimals(statistics.median(score.seconds for score in own) * 1000, 1),
         decimals(ratio, 1),
     ]
@@ -107,8 +107,3 @@ def _uncertainty(scores: Sequence[Score]) -> Row:
         decimals(float(np.median(sigma)), 2),
         f"{100 * (np.abs(error) <= 2 * sigma).mean():.0f} %",
     ]
-
-
-def _mean_and_max(values: Iterable[float]) -> str:
-    listed = list(values)
-    return f"{statistics.fmean(listed):.2f}, max {max(listed):.2f}" if listed else _NONE

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from families import FAMILIES, staged
 from family_scoring import SceneScore, score
+from family_tables import covariance_table
 from placing import Table, footprint_gap_m
 from rendering import Box, Cylinder, Solid, TrueObject, Truth
 from rendering.rigs import BENCH_RIGS, DISTANCES_M, table_before
@@ -110,7 +111,8 @@ def scored(xyz: Floats, yaw_rad: float = 0.0) -> SceneScore:
 def test_poses_at_the_truth_are_right() -> None:
     result = scored(CENTRES_M + (0.001, 0, 0), yaw_rad=0.3 + np.pi / 2 + np.pi)
     assert result.right and not result.missed and result.wrong == 0
-    assert [each.mahalanobis2 for each in result.found] == pytest.approx([1, 1])
+    assert result.mahalanobis2 == pytest.approx([1, 1])
+    assert result.distances_m == pytest.approx([0.001, 0.001])
     assert result.depths_m == pytest.approx([0])
     box, cylinder = result.found
     np.testing.assert_allclose(box.size_m, 0, atol=1e-12)
@@ -124,5 +126,13 @@ def test_what_is_missing_doubled_or_between_is_counted() -> None:
     assert between.between == 1 and len(between.ghosts_m) == 1 and between.missed == [0, 1]
     doubled = scored(np.concatenate([CENTRES_M, CENTRES_M[:1] + 0.002]))
     assert len(doubled.ghosts_m) == 1 and not doubled.right
+    assert doubled.mahalanobis2 == pytest.approx([0, 0, np.inf])
     wrong = scored(CENTRES_M + (0, 0, 0.006))
     assert wrong.wrong == 2 and not wrong.missed and not wrong.right
+
+
+def test_what_is_published_though_wrong_counts_among_the_distances() -> None:
+    far_off = CENTRES_M + (0, 0, 0.019)
+    scores = [scored(CENTRES_M), scored(far_off), scored(np.concatenate([CENTRES_M, CENTRES_M[:1] + 0.002]))]
+    last = covariance_table(scores).splitlines()[-1]
+    assert [cell.strip() for cell in last.split("|")[2:-1]] == ["7", "0.00", "361.00", "∞", "∞", "∞", "57.1 %", "1"]
