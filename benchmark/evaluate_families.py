@@ -9,12 +9,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import cache, partial
-from multiprocessing import get_context
 from pathlib import Path
-from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -26,13 +22,13 @@ from family_report import report
 from family_rivals import RivalScore, rival_scores
 from family_scoring import SceneScore, score
 from family_tables import failed_scenes
+from processes import each
 from rendering.rigs import BENCH_RIGS
 
 from stereo_pick.core.configuration import parsed, steps
 from stereo_pick.core.pipeline import Pipeline
 
 Job = tuple[str, int]
-T = TypeVar("T")
 
 
 def main() -> None:
@@ -45,9 +41,9 @@ def main() -> None:
         return
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     jobs = [(family, seed) for family in options.family or FAMILIES for seed in seeds]
-    scores = _each(jobs, partial(_scored, options.method, tuple(options.param), options.cache), options.jobs)
-    rivals = _each(jobs, partial(_rivals, options.cache), options.jobs) if options.rivals else []
-    text = report(scores, [each for of_scene in rivals for each in of_scene])
+    scores = each(jobs, partial(_scored, options.method, tuple(options.param), options.cache), options.jobs)
+    rivals = each(jobs, partial(_rivals, options.cache), options.jobs) if options.rivals else []
+    text = report(scores, [one for of_scene in rivals for one in of_scene])
     if options.write:
         replace_generated(options.write, text)
     else:
@@ -55,7 +51,7 @@ def main() -> None:
     if options.failures:
         print(f"\n{failed_scenes(scores)}")
     if options.dump:
-        options.dump.write_text(json.dumps([_record(each) for each in scores], indent=1), encoding="utf-8")
+        options.dump.write_text(json.dumps([_record(of) for of in scores], indent=1), encoding="utf-8")
 
 
 def _options() -> argparse.Namespace:
@@ -75,22 +71,13 @@ def _options() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def _each(jobs: Sequence[Job], scored: Callable[[Job], T], processes: int) -> list[T]:
-    if processes == 1:
-        return [scored(job) for job in jobs]
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        return list(pool.map(scored, jobs, chunksize=4))
-
-
 def _scored(method: str, param: tuple[str, ...], folder: Path | None, job: Job) -> SceneScore:
-    cv2.setNumThreads(1)
     family, seed = job
     rig_name, frame, truth = taken(family, seed, folder)
     return score(family, seed, _pipeline(rig_name, method, param), frame, truth)
 
 
 def _rivals(folder: Path | None, job: Job) -> list[RivalScore]:
-    cv2.setNumThreads(1)
     return rival_scores(*job, folder)
 
 

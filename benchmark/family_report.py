@@ -20,11 +20,14 @@ def report(scores: Sequence[SceneScore], rivals: Sequence[RivalScore]) -> str:
 
 
 def _sections(scores: Sequence[SceneScore], rivals: Sequence[RivalScore]) -> Iterator[str]:
-    seeds = [each.seed for each in scores]
+    seeds, required = [each.seed for each in scores], sum(each.required for each in scores)
+    found = required - sum(len(each.missed) for each in scores)
+    published, wrong = sum(each.published for each in scores), sum(each.wrong for each in scores)
     yield (
-        f"{len(scores)} scenes, seeds {min(seeds)} to {max(seeds)} of each family, with "
-        f"{sum(each.required for each in scores)} parts that must be found. OpenCV {cv2.__version__}, NumPy "
-        f"{np.__version__}, Python {platform.python_version()}, {platform.machine()}."
+        f"{len(scores)} scenes, seeds {min(seeds)} to {max(seeds)} of each family. Of {required} parts that must be "
+        f"found, {found} are; of {published} positions that are published, {wrong} are more than {1000 * WRONG_M:g} mm "
+        f"wrong. OpenCV {cv2.__version__}, NumPy {np.__version__}, Python {platform.python_version()}, "
+        f"{platform.machine()}."
     )
     yield _families_table(scores)
     yield "### Found, missed, refused"

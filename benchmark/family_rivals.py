@@ -41,7 +41,11 @@ def rival_scores(family: str, seed: int, folder: Path | None) -> list[RivalScore
     if family not in FAMILIES_SHARED:
         return []
     rig_name, frame, truth = taken(family, seed, folder)
-    return [_score(family, each, each.locate(frame), truth) for each in _contenders()] if rig_name == RIG else []
+    return (
+        [held_to_its_point(family, each, each.locate(frame), truth) for each in _contenders()]
+        if rig_name == RIG
+        else []
+    )
 
 
 @cache
@@ -49,7 +53,8 @@ def _contenders() -> list[Contender]:
     return [each for each in contenders(BENCH_RIGS[RIG]) if each.name != SSD]
 
 
-def _score(family: str, contender: Contender, poses: ObjectPoses, truth: Truth) -> RivalScore:
+def held_to_its_point(family: str, contender: Contender, poses: ObjectPoses, truth: Truth) -> RivalScore:
+    """What these poses [m] are worth, each against the point of its part that the contender means."""
     pairs = one_to_one(truth.centres_m * 1000, poses.xyz * 1000)
     hits = [(truth.objects[which], poses.xyz[row]) for which, row in pairs if truth.objects[which].required]
     errors_m = [xyz - _meant_m(contender, item) for item, xyz in hits]
@@ -59,7 +64,7 @@ def _score(family: str, contender: Contender, poses: ObjectPoses, truth: Truth) 
         required=sum(each.required for each in truth.objects),
         depths_m=tuple(abs(float(second[2] - first[2])) for first, second in combinations(errors_m, 2)),
         distances_m=tuple(float(np.linalg.norm(error)) for error in errors_m),
-        ghosts=len(poses) - len(pairs),
+        ghosts=len(poses.xyz) - len(pairs),
         refused=len(poses.refused),
     )
 

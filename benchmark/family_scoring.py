@@ -65,6 +65,10 @@ class SceneScore:
         return [number for number, each in enumerate(self.objects) if each.required and number not in found]
 
     @property
+    def published(self) -> int:
+        return len(self.found) + len(self.ghosts_m)
+
+    @property
     def depths_m(self) -> list[float]:
         """Error of the depth between every two required objects that were found."""
         required = [each.position_m[2] for each in self.found if each.truth.required]

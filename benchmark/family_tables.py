@@ -34,7 +34,8 @@ def accuracy_table(scores: Sequence[SceneScore]) -> str:
     columns: list[Column] = [
         ("ΔZ mean", lambda of: _mm(np.mean, _depths(of))),
         ("max", lambda of: _mm(np.max, _depths(of))),
-        ("position mean", lambda of: _mm(np.mean, _distances(of))),
+        ("position median", lambda of: _mm(np.median, _distances(of))),
+        ("mean", lambda of: _mm(np.mean, _distances(of))),
         ("max", lambda of: _mm(np.max, _distances(of))),
     ]
     return _table(scores, columns)

@@ -1,6 +1,6 @@
 """Prints how the whole chain errs with calibrations of its own in place of the true one, as Markdown.
 
-python benchmark/own_calibration.py [--family NAME ...] [--calibrations N] [--seeds N] [--cache DIR] [--write PAGE]
+python benchmark/own_calibration.py [--family NAME ...] [--calibrations N] [--seeds N] [--jobs N] [--write PAGE]
 
 Each calibration is made by the package's solver from simulated corners of a board before the rig that renders the
 scenes; then it locates the parts in all of them.
@@ -9,13 +9,14 @@ scenes; then it locates the parts in all of them.
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 
-import cv2
 from accuracy import replace_generated
-from calibrated_scenes import outcome
+from calibrated_scenes import Outcome, outcome
 from calibration_tables import report
 from families import FAMILIES
+from processes import each
 
 
 def main() -> None:
@@ -25,18 +26,22 @@ def main() -> None:
         "--family", nargs="+", choices=FAMILIES, default=["two_cylinders", "four_cylinders", "mixed_shapes"]
     )
     parser.add_argument("--calibrations", type=int, default=20, help="of each rig (default 20)")
-    parser.add_argument("--seeds", type=int, default=10, help="scenes a family (default 10)")
+    parser.add_argument("--seeds", type=int, default=30, help="scenes a family (default 30)")
     parser.add_argument("--cache", type=Path, help="folder that keeps the rendered scenes")
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--write", type=Path, help="page whose generated part is replaced")
     options = parser.parse_args()
-    cv2.setNumThreads(1)
-    scenes = [(family, seed) for family in options.family for seed in range(options.seeds)]
-    ways = [None, *range(options.calibrations)]
-    text = report([outcome(*scene, options.cache, way) for scene in scenes for way in ways])
+    jobs = [(family, seed) for family in options.family for seed in range(options.seeds)]
+    outcomes = each(jobs, partial(_outcomes, options.calibrations, options.cache), options.jobs)
+    text = report([one for of_scene in outcomes for one in of_scene])
     if options.write:
         replace_generated(options.write, text)
     else:
         print(text)
+
+
+def _outcomes(calibrations: int, folder: Path | None, job: tuple[str, int]) -> list[Outcome]:
+    return [outcome(*job, folder, way) for way in (None, *range(calibrations))]
 
 
 if __name__ == "__main__":

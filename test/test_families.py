@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from families import FAMILIES, staged
+from family_rivals import held_to_its_point
 from family_scoring import SceneScore, score
 from family_tables import covariance_table
 from placing import Table, footprint_gap_m
+from processes import each
 from rendering import Box, Cylinder, Solid, TrueObject, Truth
 from rendering.rigs import BENCH_RIGS, DISTANCES_M, table_before
+from rivals import Contender
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.transform import Transform
@@ -136,3 +141,19 @@ def test_what_is_published_though_wrong_counts_among_the_distances() -> None:
     scores = [scored(CENTRES_M), scored(far_off), scored(np.concatenate([CENTRES_M, CENTRES_M[:1] + 0.002]))]
     last = covariance_table(scores).splitlines()[-1]
     assert [cell.strip() for cell in last.split("|")[2:-1]] == ["7", "0.00", "361.00", "∞", "∞", "∞", "57.1 %", "1"]
+
+
+def test_other_methods_are_held_to_the_point_that_they_mean() -> None:
+    surface_m = CENTRES_M - [(0, 0, 0.02), (0, 0, 0.03)]
+    truth = Truth(tuple(replace(each, visible_m=m) for each, m in zip(TRUTH.objects, surface_m)), TRUTH.left_T_table)
+    found: Any = SimpleNamespace(xyz=surface_m + (0, 0, 0.001), refused=())
+    of_surface, of_volume = (
+        held_to_its_point("", Contender("", meant, lambda frame: found), found, truth)
+        for meant in ("mean of visible surface", "centre of volume")
+    )
+    assert of_surface.depths_m == pytest.approx([0]) and of_surface.distances_m == pytest.approx([0.001, 0.001])
+    assert of_volume.depths_m == pytest.approx([0.01]) and of_volume.distances_m == pytest.approx([0.019, 0.029])
+
+
+def test_processes_change_nothing() -> None:
+    assert each(range(12), math.factorial, processes=2) == each(range(12), math.factorial, processes=1)
