@@ -19,7 +19,7 @@ from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.objects.splitting import may_be_two
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solids
-from stereo_pick.core.shapes.fitting import best_of_kind, can_be_fitted
+from stereo_pick.core.shapes.fitting import Pair, best_of_kind, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 
@@ -58,32 +58,34 @@ def locate(pair: RectifiedPair, matched: Sequence[BlobPair], max_concavity: floa
 
     max_concavity: of one part's outline; flat_parts: whether what shows one face only may be a flat part.
     """
-    outlines = [tuple(Outline.from_contour(b.contour_px, b.sharpness >= SHARP) for b in blobs) for blobs in matched]
-    fits = fit_solids([(left, right) for left, right in outlines], pair.rig)
     images = Images(pair)
-    located = [
-        _locate(images, blobs, (left, right), fit, max_concavity)
-        for blobs, (left, right), fit in zip(matched, outlines, fits)
+    outlines = [_outlines(blobs, SHARP) for blobs in matched]
+    fits = fit_solids(outlines, pair.rig, nearest=images.nearest)
+    readings = [
+        [] if _is_clear(blobs, fit, max_concavity) else _readings(blobs, pair)
+        for blobs, pair, fit in zip(matched, outlines, fits)
     ]
+    images.look_at([each for several in readings for each in several])
+    located = [_locate(images, *each, max_concavity) for each in zip(matched, outlines, readings, fits)]
     return located if flat_parts else [_unless_flat(pair.rig, *each) for each in zip(matched, located)]
 
 
 def _locate(
-    images: Images, blobs: BlobPair, outlines: tuple[Outline, Outline], fit: SolidFit | None, max_concavity: float
+    images: Images, blobs: BlobPair, outlines: Pair, readings: list[Pair], fit: SolidFit | None, max_concavity: float
 ) -> Located:
     fading = max(blob.fading for blob in blobs)
-    notched = any(blob.concavity > max_concavity for blob in blobs)
-    if fit is not None and not notched and fading <= _MAY_FADE:
+    if fit is not None and _is_clear(blobs, fit, max_concavity):
         longer = _longer(images, outlines, blobs, fit)
         if longer is not None:
             return _stretched(images.rig, blobs, fit, longer.fit) if longer.believable else _refused(blobs, "half_lit")
         complete = max(fading, *(blob.cut_share for blob in blobs)) <= _COMPLETE
         return _by_outlines(images.rig, blobs, fit) if complete else _by_solid(images.rig, blobs, fit)
-    strictly = tuple(Outline.from_contour(blob.contour_px, blob.sharpness >= _SURELY_SHARP) for blob in blobs)
-    best = images.best([each for each in (outlines, (strictly[0], strictly[1])) if can_be_fitted(each)])
+    best = images.best(readings)
     if best is not None:
         return _by_solid(images.rig, blobs, best.fit)
-    if notched or any(blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs):
+    if _is_notched(blobs, max_concavity) or any(
+        blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs
+    ):
         return _refused(blobs, "merged")
     if max(blob.cut_share for blob in blobs) > _MAY_BE_CUT:
         return _refused(blobs, "merged")
@@ -91,6 +93,28 @@ def _locate(
     if half_lit or fading > _MAY_FADE_UNEXPLAINED or (can_be_fitted(outlines) and images.hides_a_side(outlines)):
         return _refused(blobs, "half_lit")
     return _by_outlines(images.rig, blobs, None)
+
+
+def _is_clear(blobs: BlobPair, fit: SolidFit | None, max_concavity: float) -> bool:
+    """Whether the solid that explains the outlines, if there is one, needs no support by other edges."""
+    return fit is not None and not _is_notched(blobs, max_concavity) and max(b.fading for b in blobs) <= _MAY_FADE
+
+
+def _is_notched(blobs: BlobPair, max_concavity: float) -> bool:
+    return any(blob.concavity > max_concavity for blob in blobs)
+
+
+def _readings(blobs: BlobPair, outlines: Pair) -> list[Pair]:
+    """The outlines trusted as far as usual, and where their edges are surely sharp only; what of it can be fitted."""
+    strictly = _outlines(blobs, _SURELY_SHARP)
+    same = all(np.array_equal(one.weight, other.weight) for one, other in zip(outlines, strictly))
+    return [each for each in ([outlines] if same else [outlines, strictly]) if can_be_fitted(each)]
+
+
+def _outlines(blobs: BlobPair, sharp: float) -> Pair:
+    """Those of both views; trusted where they are at least so sharp."""
+    left, right = (Outline.from_contour(blob.contour_px, blob.sharpness >= sharp) for blob in blobs)
+    return left, right
 
 
 def _unless_flat(rig: StereoRig, blobs: BlobPair, located: Located) -> Located:
@@ -103,7 +127,7 @@ def _unless_flat(rig: StereoRig, blobs: BlobPair, located: Located) -> Located:
     return _refused(blobs, "flat") if sizes.min() < _FLAT * sizes.max() else located
 
 
-def _longer(images: Images, outlines: tuple[Outline, Outline], blobs: BlobPair, fit: SolidFit) -> Supported | None:
+def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> Supported | None:
     """A longer solid that makes this one doubtful.
 
     Seen from above, the end of a cylinder is as round as a ball, but its edge is sharp where a ball's light fades

@@ -38,8 +38,14 @@ class _Stage(NamedTuple):
 
 _QUICK = (_Stage(5, 3, True), _Stage(2, 2, False), _Stage(1, 4, False))
 _THOROUGH = (_Stage(64, 2, True), _Stage(24, 4, True), _Stage(8, 3, False), _Stage(1, 4, False))
+_ALL_OF: dict[Kind, tuple[_Stage, ...]] = {  # what leaves no solid of a kind out
+    SPHERE: _QUICK[-1:],
+    CYLINDER: _THOROUGH,
+    BOX: _THOROUGH,
+    HEX_PRISM: _THOROUGH,
+}
 _SEARCHES = (  # and how much, in units of the noise, the kinds before must have left unexplained to make it worthwhile
-    (SPHERE, _QUICK[-1:], 0.0),
+    (SPHERE, _ALL_OF[SPHERE], 0.0),
     (CYLINDER, _QUICK, 0.5),
     (BOX, _QUICK, 1.0),
     (CYLINDER, _THOROUGH, 1.0),
@@ -49,6 +55,8 @@ _SEARCHES = (  # and how much, in units of the noise, the kinds before must have
 )
 
 Pair = tuple[Outline, Outline]
+Nearest = dict[tuple[Pair, Kind], tuple[Solids, float]]
+"""The solids (S = 1) of several kinds that come nearest to objects' outlines, and their misfits [px], however large."""
 
 
 def fit_solid(
@@ -59,14 +67,18 @@ def fit_solid(
 
 
 def fit_solids(
-    pairs: Sequence[Pair], rig: StereoRig, table_normal: Floats | None = None, noise_px: float = NOISE_PX
+    pairs: Sequence[Pair],
+    rig: StereoRig,
+    table_normal: Floats | None = None,
+    noise_px: float = NOISE_PX,
+    nearest: Nearest | None = None,
 ) -> list[SolidFit | None]:
     """For each object's outlines (left, right) of as many points each, the solid that explains them.
 
     table_normal: (3,), unit, in the rectified left frame: where given, cylinders and hexagonal prisms stand or lie on
     the table and boxes stand on one of their faces. noise_px: by how much outlines are off; a richer kind must explain
     more than that to be preferred, and the chosen one must leave no more than half as much again. None where no kind
-    does, or where the one that does could as well be of another size.
+    does, or where the one that does could as well be of another size. nearest: gets what was searched for thoroughly.
     """
     seen = np.array([i for i, pair in enumerate(pairs) if can_be_fitted(pair)], np.int64)
     chosen: list[SolidFit | None] = [None] * len(pairs)
@@ -85,6 +97,8 @@ def fit_solids(
             continue
         found = _searched(sight.only(remaining), kind, table_normal, stages)
         misfit, cost = misfit_px(found, noise_px), complaint(found, noise_px)
+        if nearest is not None and stages is _ALL_OF[kind]:
+            nearest.update(_one_by_one([pairs[i] for i in seen[remaining]], found))
         if kind is BOX:
             like_a_box[remaining] = misfit <= _NEAR * noise_px
         if kind is CYLINDER:
@@ -100,10 +114,14 @@ def fit_solids(
     return chosen
 
 
+def nearest_of_kind(pairs: Sequence[Pair], rig: StereoRig, kind: Kind) -> Nearest:
+    """The solids of one kind that come nearest to the outlines of at least one object, each by itself."""
+    return _one_by_one(pairs, _searched(Sight.of(pairs, rig), kind, None, _ALL_OF[kind]))
+
+
 def best_of_kind(pair: Pair, rig: StereoRig, kind: Kind) -> tuple[Solids, float]:
     """The solid (S = 1) of one kind that comes nearest to an object's outlines, and its misfit [px], however large."""
-    found = _searched(Sight.of([pair], rig), kind, None, _THOROUGH if kind.turns else _QUICK[-1:])
-    return found.solids, float(misfit_px(found, NOISE_PX)[0])
+    return nearest_of_kind([pair], rig, kind)[pair, kind]
 
 
 def can_be_fitted(pair: Pair) -> bool:
@@ -134,6 +152,11 @@ def _fewest(found: Fitted, objects: Ints, keep: int) -> Ints:
     rows = len(objects) // count
     best = np.argsort(misfit.reshape(count, rows), axis=1)[:, :keep]
     return np.asarray((best + rows * np.arange(count)[:, None]).ravel())
+
+
+def _one_by_one(pairs: Sequence[Pair], found: Fitted) -> Nearest:
+    misfit, solids = misfit_px(found, NOISE_PX), found.solids
+    return {(pair, solids.kind): (solids.only(np.array([i])), float(misfit[i])) for i, pair in enumerate(pairs)}
 
 
 def _result(found: Fitted, at: int, misfit: float, covariance: Floats) -> SolidFit:

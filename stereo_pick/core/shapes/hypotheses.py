@@ -12,13 +12,14 @@ from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.evidence import centre_covariance, determined
-from stereo_pick.core.shapes.fitting import NOISE_PX, Pair, best_of_kind
+from stereo_pick.core.shapes.fitting import NOISE_PX, Nearest, Pair, nearest_of_kind
 from stereo_pick.core.shapes.growing import grown, is_longer
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE, Kind
 from stereo_pick.core.shapes.locking import Locked, lock
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 
+_LOOKED_FOR = (SPHERE, CYLINDER, BOX)
 _SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
 _PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a median
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
@@ -48,8 +49,15 @@ class Images:
         self.images: tuple[Image, Image] = (pair.left, pair.right)
         self.maps = [EdgeMap.of(image, camera) for image, camera in zip(self.images, (pair.rig.left, pair.rig.right))]
         self.eyes_m = np.array([[0.0, 0.0, 0.0], [pair.rig.baseline_m, 0.0, 0.0]])
-        self._nearest: dict[tuple[Pair, Kind], tuple[Solids, float]] = {}
+        self.nearest: Nearest = {}
         self._longer: dict[Solids, Supported | None] = {}
+
+    def look_at(self, readings: Sequence[Pair]) -> None:
+        """Search for the solids nearest to many outlines at once: one by one takes twice the time."""
+        for kind in _LOOKED_FOR:
+            new = [pair for pair in readings if (pair, kind) not in self.nearest]
+            if new:
+                self.nearest.update(nearest_of_kind(new, self.rig, kind))
 
     def longer(self, solid: Solids) -> Supported | None:
         """The solid stretched to further edges and brought onto them, or None where there are none."""
@@ -78,15 +86,15 @@ class Images:
         return max(believable, key=lambda each: each.support - _PER_PX * each.fit.residual_px, default=None)
 
     def _near(self, pair: Pair) -> Iterator[Solids]:
-        for kind in (SPHERE, CYLINDER, BOX):
+        for kind in _LOOKED_FOR:
             solid, misfit_px = self._of_kind(pair, kind)
             if misfit_px < _PLAUSIBLE_PX:
                 yield solid
 
     def _of_kind(self, pair: Pair, kind: Kind) -> tuple[Solids, float]:
-        if (pair, kind) not in self._nearest:
-            self._nearest[pair, kind] = best_of_kind(pair, self.rig, kind)
-        return self._nearest[pair, kind]
+        if (pair, kind) not in self.nearest:
+            self.nearest.update(nearest_of_kind([pair], self.rig, kind))
+        return self.nearest[pair, kind]
 
     def _with_longer(self, solid: Solids) -> list[Supported]:
         """A longer solid with support makes the shorter one, a part of it, unbelievable."""
