@@ -95,6 +95,8 @@ def fit_background(image: NDArray[np.float32], valid: Bools) -> Background:
     samples = _samples((height, width), stride_px, valid[::stride_px, ::stride_px].tobytes())
     grey = image.reshape(-1)[samples.index].astype(np.float64)
     half, half_sigma = _fitted(samples, samples.quadratics, grey, _HALF)
+    if half_sigma <= _CLEARLY_TIGHTER * _MIN_SIGMA:
+        return Background(half, (height, width), half_sigma)
     third, third_sigma = _fitted(samples, samples.planes, grey, _THIRD)
     if third_sigma * _CLEARLY_TIGHTER < half_sigma:
         residual = grey - samples.terms @ third

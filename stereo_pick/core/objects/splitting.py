@@ -10,8 +10,9 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Floats, Ints
+from stereo_pick.core.arrays import Ints
 from stereo_pick.core.objects.blob import CUT, Blob
 
 _MIN_NOTCH = 0.25  # of the deepest one: shallower notches are not where a cut begins
@@ -49,7 +50,7 @@ def split(blob: Blob, max_concavity: float) -> list[Blob]:
 def may_be_two(blob: Blob) -> bool:
     """Whether one cut would explain nearly all that the outline lacks of being convex, as between two parts of which
     one stands behind the other; the open end of a tube is in no way explained by a cut."""
-    missing = _missing_area(blob.contour_px)
+    missing = _missing_area(_drawn(blob))
     if missing < _NOTICED * blob.area_px2:
         return False
     return any(left < (1 - _NEARLY_ALL) * missing for *_, left in _halves(blob))
@@ -57,27 +58,30 @@ def may_be_two(blob: Blob) -> bool:
 
 def _best_cut(blob: Blob, must_gain: float) -> tuple[Blob, Blob] | None:
     """The two parts of least missing area, if that is clearly less than the missing area of the whole."""
-    missing = _missing_area(blob.contour_px)
+    missing = _missing_area(_drawn(blob))
     best, least = None, (1 - must_gain) * missing
-    for begin, end, one, other, left in _halves(blob):
+    for begin, end, left in _halves(blob):
         cost = left + _cut_length(blob, begin, end) ** 2 * _CUT_COST
         if cost < least:
-            best, least = (one, other), cost
+            best, least = (begin, end), cost
     if best is None:
         return None
-    return _part(blob, best[0]), _part(blob, best[1])
+    count = len(blob.contour_px)
+    return _part(blob, _arc(*best, count)), _part(blob, _arc(*best[::-1], count))
 
 
 _CUT_COST = 0.02
 
 
-def _halves(blob: Blob) -> Iterator[tuple[int, int, Ints, Ints, float]]:
-    """The ends of each cut that leaves no sliver, both arcs of the contour, and their missing area together [px²]."""
+def _halves(blob: Blob) -> Iterator[tuple[int, int, float]]:
+    """The ends of each cut that leaves no sliver, and the missing area of both halves together [px²]."""
+    count, drawn = len(blob.contour_px), _drawn(blob)
+    twice = np.concatenate([drawn, drawn])  # every arc in one piece
     for begin, end in _cuts(blob):
-        one, other = _arc(begin, end, len(blob.contour_px)), _arc(end, begin, len(blob.contour_px))
-        if min(_area(blob.contour_px[arc]) for arc in (one, other)) >= _MIN_PART * blob.area_px2:
-            left = _missing_area(blob.contour_px[one]) + _missing_area(blob.contour_px[other])
-            yield begin, end, one, other, left
+        first, last = min(begin, end), max(begin, end)
+        halves = twice[first : last + 1], twice[last : first + count + 1]
+        if min(cv2.contourArea(half) for half in halves) >= _MIN_PART * blob.area_px2:
+            yield begin, end, sum(_missing_area(half) for half in halves)
 
 
 def _cuts(blob: Blob) -> Iterator[tuple[int, int]]:
@@ -115,10 +119,11 @@ def _cut_length(blob: Blob, begin: int, end: int) -> float:
     return float(np.linalg.norm(blob.contour_px[begin] - blob.contour_px[end]))
 
 
-def _missing_area(contour_px: Floats) -> float:
+def _drawn(blob: Blob) -> NDArray[np.float32]:
+    """The contour (N, 2) [px] as OpenCV takes it."""
+    return blob.contour_px.astype(np.float32)
+
+
+def _missing_area(contour_px: NDArray[np.float32]) -> float:
     """What the convex hull has more than the contour [px²]."""
-    return float(cv2.contourArea(cv2.convexHull(contour_px.astype(np.float32)))) - _area(contour_px)
-
-
-def _area(contour_px: Floats) -> float:
-    return float(cv2.contourArea(contour_px.astype(np.float32)))
+    return cv2.contourArea(cv2.convexHull(contour_px)) - cv2.contourArea(contour_px)

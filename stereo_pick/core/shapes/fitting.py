@@ -131,17 +131,18 @@ def can_be_fitted(pair: Pair) -> bool:
 
 def _searched(sight: Sight, kind: Kind, table_normal: Floats | None, stages: tuple[_Stage, ...]) -> Fitted:
     """One solid of this kind for every object: many at first, of which ever fewer are pursued."""
-    sparse, fine = sight.coarse(), sight.without_corners()
-    objects, solids = starts(sparse, kind, table_normal, stages[0].kept)
-    now, rough = fitted(sparse.only(objects), solids, own_tangents), True
+    sparse, fine = (sight.coarse(), own_tangents), (sight.without_corners(), nearest_tangents)
+    objects, solids = starts(sparse[0], kind, table_normal, stages[0].kept)
+    rough = stages[0].rough
+    seen, touch = sparse if rough else fine
+    now = fitted(seen.only(objects), solids, touch)
     for stage in stages:
         few = _fewest(now, objects, stage.kept)
         objects, now = objects[few], now.only(few)
-        seen, touch = (sparse, own_tangents) if stage.rough else (fine, nearest_tangents)
-        seen = seen.only(objects)
         if stage.rough != rough:
-            now, rough = fitted(seen, now.solids, touch), stage.rough
-        now = refine(seen, now, stage.rounds, touch)
+            rough, (seen, touch) = stage.rough, fine
+            now = fitted(seen.only(objects), now.solids, touch)
+        now = refine(seen.only(objects), now, stage.rounds, touch)
     return now
 
 

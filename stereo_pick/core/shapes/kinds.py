@@ -15,6 +15,7 @@ from stereo_pick.core.arrays import Floats, Ints
 
 _TINY = 1e-12
 _ROOT3 = np.sqrt(3.0)
+_ENDS = np.array([1.0, -1.0])  # of what reaches along the third axis
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -119,16 +120,13 @@ class Cylinder(Round):
         x, y, z = eyes_m[..., :1], eyes_m[..., 1:2], eyes_m[..., 2:]
         off_axis = np.sqrt(x * x + y * y)
         facing, width = np.arctan2(y, x), np.arccos(np.minimum(radius / (off_axis + _TINY), 1.0))
-        along = np.linspace(-1, 1, count // 2)
-        points = np.empty((*eyes_m.shape[:2], 2, count // 2, 3))
-        for arc, end in enumerate((1.0, -1.0)):
-            sees = end * z > half_length
-            middle = facing + np.where(sees, np.pi, 0.0)
-            angle = middle + np.where(sees, np.pi - width, width) * along * np.where(sees, -end, end)
-            height = np.where((off_axis > radius) | sees, end, -end) * half_length
-            points[:, :, arc, :, 0] = radius * np.cos(angle)
-            points[:, :, arc, :, 1] = radius * np.sin(angle)
-            points[:, :, arc, :, 2] = height
+        sees = z * _ENDS > half_length  # of either end its face
+        middle, reach = np.where(sees, facing + np.pi, facing), np.where(sees, width - np.pi, width) * _ENDS
+        angle = middle[..., None] + reach[..., None] * np.linspace(-1, 1, count // 2)
+        points = np.empty((*angle.shape, 3))
+        points[..., 0] = radius[..., None] * np.cos(angle)
+        points[..., 1] = radius[..., None] * np.sin(angle)
+        points[..., 2] = (np.where((off_axis > radius) | sees, _ENDS, -_ENDS) * half_length)[..., None]
         return points.reshape(*eyes_m.shape[:2], count, 3)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Ints
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.kinds import SPHERE, Prism, Round, dot
 from stereo_pick.core.shapes.residuals import Tangents
 from stereo_pick.core.shapes.sight import Sight
@@ -19,6 +19,7 @@ _SIDES = 24
 _NEXT = np.roll(np.arange(_SIDES), -1)
 _LEAST_SIDE = 1e-6  # [m at 1 m]
 _TINY = 1e-15
+_FAR = 1e6
 
 
 def nearest_tangents(sight: Sight, solids: Solids) -> Tangents:
@@ -44,21 +45,22 @@ def _of_cones(sight: Sight, solids: Solids) -> Tangents:
 
 
 def _of_edges(sight: Sight, solids: Solids, kind: Prism) -> Tangents:
-    """Of prisms: among the tangents along their edges, the one that the point is furthest outside of."""
+    """Of prisms: among the tangents along either side of their edges, the one that the point is furthest outside of."""
     corners, (ends, starts) = kind.corners_m(solids.half_m), kind.edges
     seen = (corners @ solids.rotation.transpose(0, 2, 1))[:, None] + solids.seen_from(sight.eyes_m)
     image = seen[..., :2] / seen[..., 2:]
-    along = image[:, :, ends] - image[:, :, starts]
-    across = _unit(_outward(along))
-    outward = np.concatenate([across, -across], axis=2)
-    reach = (outward @ image.transpose(0, 1, 3, 2)).max(axis=3)
-    side = (sight.points @ outward.transpose(0, 1, 3, 2) - reach[:, :, None]).argmax(axis=3)
-    row, view = _rows(side)
-    edge = side % len(ends)
-    behind, ahead = starts[edge], ends[edge]
-    share = _share(sight.points - image[row, view, behind], along[row, view, edge])
-    touched = corners[row, behind] * (1 - share) + corners[row, ahead] * share
-    return Tangents(outward[row, view, side], touched.reshape(len(side), -1, 3))
+    begin, way = image[:, :, starts], image[:, :, ends] - image[:, :, starts]
+    across = _outward(way) / (np.sqrt(dot(way, way)) + _TINY)[..., None]
+    reach = across @ image.transpose(0, 1, 3, 2)
+    lines = np.concatenate([across, -reach.max(axis=3, keepdims=True)], axis=3)
+    opposite = np.concatenate([-across, reach.min(axis=3, keepdims=True)], axis=3)
+    touched = np.concatenate([corners[:, starts], corners[:, ends] - corners[:, starts]], axis=2)
+    sides = np.empty((*way.shape[:3], 12))
+    sides[..., 3:6] = _along(begin, way)
+    sides[..., 6:] = touched[:, None]
+    sides = np.concatenate([sides, sides], axis=2)
+    sides[..., :3] = np.concatenate([lines, opposite], axis=2)
+    return Tangents(*_furthest(sight, sides))
 
 
 def _of_curves(sight: Sight, solids: Solids, kind: Round) -> Tangents:
@@ -68,32 +70,46 @@ def _of_curves(sight: Sight, solids: Solids, kind: Round) -> Tangents:
     placed = horizon.reshape(len(horizon), -1, 3) @ solids.rotation.transpose(0, 2, 1)
     seen = placed.reshape(horizon.shape) + start
     corners = seen[..., :2] / seen[..., 2:]
-    ahead = corners[:, :, _NEXT] - corners
-    length = np.sqrt(dot(ahead, ahead))
-    outward = _outward(ahead) / (length + _TINY)[..., None]
-    outward *= np.sign(dot(outward, corners - corners.mean(axis=2, keepdims=True)).sum(axis=2))[..., None, None]
-    reach = np.where(length > _LEAST_SIDE, dot(outward, corners), np.inf)
-    side = (sight.points @ outward.transpose(0, 1, 3, 2) - reach[:, :, None]).argmax(axis=3)
-    row, view = _rows(side)
-    share = _share(sight.points - corners[row, view, side], ahead[row, view, side])
-    touched = horizon[row, view, side] * (1 - share) + horizon[row, view, (side + 1) % _SIDES] * share
-    return Tangents(outward[row, view, side], kind.onto(touched.reshape(len(side), -1, 3), solids.half_m))
+    way = corners[:, :, _NEXT] - corners
+    length = np.sqrt(dot(way, way))
+    turn = np.sign(dot(corners, _outward(way)).sum(axis=2))  # of twice the area
+    sides = np.empty((*length.shape, 12))
+    sides[..., :2] = _outward(way) * (turn[..., None] / (length + _TINY))[..., None]
+    sides[..., 2] = np.where(length > _LEAST_SIDE, -dot(sides[..., :2], corners), -_FAR)
+    sides[..., 3:6] = _along(corners, way)
+    sides[..., 6:9] = horizon
+    sides[..., 9:] = horizon[:, :, _NEXT] - horizon
+    normals, touched = _furthest(sight, sides)
+    return Tangents(normals, kind.onto(touched, solids.half_m))
 
 
-def _share(from_start: Floats, side: Floats) -> Floats:
-    """How far along its side (..., 2) each point lies: (..., 1), 0 at the start, 1 at the end."""
-    share = dot(from_start, side) / (dot(side, side) + _TINY)
-    return np.asarray(np.clip(share, 0, 1)[..., None])
+def _furthest(sight: Sight, sides: Floats) -> tuple[Floats, Floats]:
+    """The normals (S, 2, N, 2) of the sides that the outlines' points are furthest outside of, and where (S, 2 N, 3)
+    on these sides the points lie nearest.
+
+    sides: (S, 2, E, 12); of each, what gives with a ray its distance outside (3), and how far along the side it is
+    (3), from 0 to 1; its beginning (3) and its way to the end (3) [m].
+    """
+    rays = np.concatenate([sight.points, np.ones((*sight.points.shape[:3], 1))], axis=3)
+    side = (rays @ sides[..., :3].transpose(0, 1, 3, 2)).argmax(axis=3)
+    solid, views, count, columns = sides.shape
+    side += (np.arange(solid * views) * count).reshape(solid, views, 1)
+    chosen = sides.reshape(-1, columns).take(side.reshape(solid, -1), axis=0)
+    share = np.clip(dot(chosen[..., 3:6], rays.reshape(solid, -1, 3)), 0, 1)[..., None]
+    touched = chosen[..., 6:9] + share * chosen[..., 9:]
+    return chosen[..., :2].reshape(sight.points.shape), touched
+
+
+def _along(begin: Floats, way: Floats) -> Floats:
+    """What (..., 3) gives with a ray (x, y, 1) how far along a side (..., 2) its foot lies: 0 at the beginning, 1 at
+    the end."""
+    per_length = way / (dot(way, way) + _TINY)[..., None]
+    return np.concatenate([per_length, -dot(per_length, begin)[..., None]], axis=-1)
 
 
 def _outward(ahead: Floats) -> Floats:
     """Perpendicular to directions (..., 2), to their left seen from in front of the image."""
     return np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
-
-
-def _rows(side: Ints) -> tuple[Ints, Ints]:
-    """What indexes, beside sides (S, 2, N), the solid and the view."""
-    return np.arange(len(side))[:, None, None], np.arange(2)[None, :, None]
 
 
 def _unit(vectors: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import cv2
@@ -37,20 +38,18 @@ def starts(sight: Sight, kind: Kind, table_normal: Floats | None, keep: int) -> 
         sight.centre_m[objects],
         np.tile(rotations, (count, 1, 1)),
         np.repeat(sight.radius_m[objects, None], kind.sizes, axis=1),
-        np.tile(turns, (count, 1, 1)),
+        np.empty((count * grid, 3, 0)),
     )
     solids, misfit = _solved(sight.only(objects), solids)
     best = np.argsort(misfit.reshape(count, grid), axis=1)[:, :keep]
     chosen = (best + grid * np.arange(count)[:, None]).ravel()
-    return objects[chosen], solids.only(chosen)
+    return objects[chosen], replace(solids.only(chosen), turns=turns[best.ravel()])
 
 
 def _solved(sight: Sight, solids: Solids) -> tuple[Solids, Floats]:
-    """The solids with the centre and half sizes that fit best, and their mean misfit (S,) [px]."""
+    """The solids, that cannot turn, with the centre and half sizes that fit best, and their mean misfit (S,) [px]."""
     weight = sight.weight.reshape(len(sight.weight), -1)
-    residual, jacobian = residuals(sight, solids, own_tangents(sight, solids))
-    turning = solids.turns.shape[2]
-    linear = np.concatenate([jacobian[..., :3], jacobian[..., 3 + turning :]], axis=2)
+    residual, linear = residuals(sight, solids, own_tangents(sight, solids))
     weighted = (linear * weight[..., None]).transpose(0, 2, 1)
     normal = weighted @ linear
     loose = np.zeros(normal.shape[1])
