@@ -10,7 +10,7 @@ import numpy as np
 from families import FAMILIES
 from family_rivals import RivalScore, rivals_table
 from family_scoring import WRONG_M, SceneScore
-from family_tables import accuracy_table, covariance_table, detection_table, size_table
+from family_tables import accuracy_table, covariance_table, detection_table, shape_table, size_table
 from formatting import markdown_table
 
 
@@ -45,6 +45,8 @@ def _sections(scores: Sequence[SceneScore], rivals: Sequence[RivalScore]) -> Ite
         "found count, too, and a position that is no part's is infinitely far off."
     )
     yield covariance_table(scores)
+    yield "The same of the parts of each shape, over all families:"
+    yield shape_table(scores)
     yield "### Size, orientation, time"
     yield "Errors in mm and in degrees of everything that was found and is a part's."
     yield size_table(scores)

@@ -40,6 +40,10 @@ class Found:
     def distance_m(self) -> float:
         return float(np.linalg.norm(self.position_m))
 
+    @property
+    def shape(self) -> str:
+        return f"lying {self.truth.shape}" if self.truth.lying else self.truth.shape
+
 
 @dataclass(frozen=True, eq=False)
 class SceneScore:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
-from family_scoring import SceneScore
+from family_scoring import WRONG_M, SceneScore
 from formatting import Row, markdown_table
 from mahalanobis import CHI2_ROW, HEADER, distribution_row
 
@@ -66,11 +66,22 @@ def covariance_table(scores: Sequence[SceneScore]) -> str:
     return markdown_table(("family", *HEADER), [("chi-square, 3 degrees of freedom", *CHI2_ROW), *rows])
 
 
+def shape_table(scores: Sequence[SceneScore]) -> str:
+    """The same by the shape of the part, and how many are wrong."""
+    found = [each for score in scores for each in score.found]
+    rows = []
+    for shape in sorted({each.shape for each in found}):
+        some = [each for each in found if each.shape == shape]
+        wrong = sum(each.distance_m > WRONG_M for each in some)
+        rows.append((shape, *distribution_row([each.mahalanobis2 for each in some])[:-1], str(wrong)))
+    return markdown_table(("shape", *HEADER[:-1], "> 5 mm wrong"), rows)
+
+
 def failed_scenes(scores: Iterable[SceneScore]) -> str:
     """The scenes that are not wholly right, and what is wrong with each."""
     return "\n".join(
         f"{each.family} {each.seed}: missed {each.missed}, ghosts {len(each.ghosts_m)}, "
-        f"wrong {[found.which for found in each.found if found.distance_m > 0.005]}, refused {dict(each.refused)}"
+        f"wrong {[found.which for found in each.found if found.distance_m > WRONG_M]}, refused {dict(each.refused)}"
         for each in scores
         if not each.right
     )

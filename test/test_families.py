@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from families import FAMILIES, staged
+from family_report import report
 from family_rivals import held_to_its_point
 from family_scoring import SceneScore, score
 from family_tables import covariance_table
@@ -110,7 +111,7 @@ def scored(xyz: Floats, yaw_rad: float = 0.0) -> SceneScore:
     )
     pipeline: Any = SimpleNamespace(run=lambda frame: SimpleNamespace(poses=poses))
     frame: Any = None
-    return score("", 0, pipeline, frame, TRUTH)
+    return score("mixed_shapes", 0, pipeline, frame, TRUTH)
 
 
 def test_poses_at_the_truth_are_right() -> None:
@@ -141,6 +142,13 @@ def test_what_is_published_though_wrong_counts_among_the_distances() -> None:
     scores = [scored(CENTRES_M), scored(far_off), scored(np.concatenate([CENTRES_M, CENTRES_M[:1] + 0.002]))]
     last = covariance_table(scores).splitlines()[-1]
     assert [cell.strip() for cell in last.split("|")[2:-1]] == ["7", "0.00", "361.00", "∞", "∞", "∞", "57.1 %", "1"]
+
+
+def test_the_report_says_how_many_were_found_and_how_many_are_wrong() -> None:
+    text = report([scored(CENTRES_M), scored(CENTRES_M[:1] + (0, 0, 0.006))], [])
+    assert "Of 4 parts that must be found, 3 are; of 3 positions that are published, 1 are more than 5 mm wrong" in text
+    (of_shape,) = [line for line in text.splitlines() if line.startswith("| part |")]
+    assert of_shape == "| part | 3 | 0.00 | 36.00 | 36.00 | 36.00 | 36.00 | 66.7 % | 1 |"
 
 
 def test_other_methods_are_held_to_the_point_that_they_mean() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from board_views import BOARD, board_views
 from calibrated_scenes import Outcome, outcome
+from calibration_tables import report
 from mahalanobis import CHI2_3
 from rendering.rigs import BENCH_RIGS, DISTANCES_M
 
@@ -73,3 +74,10 @@ def test_the_true_calibration_adds_nothing_and_each_of_its_own_another_error() -
         assert each.image.mahalanobis2 == each.whole.mahalanobis2
     distances_m = [np.mean(each.whole.distances_m) for each in outcomes(calibrated=True)]
     assert len(set(distances_m)) == len(distances_m)
+
+
+def test_the_report_tells_true_from_own_calibrations() -> None:
+    text = report([*outcomes(calibrated=False), *outcomes(calibrated=True)])
+    assert "| two_cylinders | true | 2 / 2 |" in text
+    assert f"| two_cylinders | own | {2 * len(CALIBRATIONS)} / {2 * len(CALIBRATIONS)} |" in text
+    assert f"| thesis, k1 k2 p1 p2 | {len(CALIBRATIONS)} |" in text
