@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +19,7 @@ from stereo_pick.core.objects.focus import is_out_of_focus
 from stereo_pick.core.objects.foreground import Contrast, contrast_with, foreground, measure_contrast
 from stereo_pick.core.objects.learned import LearnedBackground, LearnedView, adjusted
 from stereo_pick.core.objects.outline import outlines
-from stereo_pick.core.objects.shadow import clearer, may_hold_shadow, strongest_parts
+from stereo_pick.core.objects.shadow import Shadows
 from stereo_pick.core.objects.silhouette import trace_silhouettes
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.params import Configurable, parameter
@@ -151,14 +151,10 @@ class Detector(Configurable):
         return tuple(sorted(found, key=lambda blob: float(blob.centroid_px[0])))
 
     def _without_shadows(self, blobs: list[Blob], contrast: Contrast) -> list[Blob]:
-        kept = []
-        for blob in blobs:
-            parts = []
-            if may_hold_shadow(blob):
-                parts = list(strongest_parts(blob, contrast, "dark", self.min_area_px))
-                parts = self._refined(parts, contrast)
-            kept += parts if clearer(parts, blob) else [blob]
-        return kept
+        if not self.subpixel or not blobs:
+            return blobs
+        refine = partial(self._refined, contrast=contrast)
+        return Shadows.of(blobs, contrast).cut_off(blobs, refine, self.min_area_px)
 
     def _refined(self, blobs: list[Blob], contrast: Contrast) -> list[Blob]:
         if not self.subpixel or not blobs:
