@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats, Image
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.objects.outline import upper_median
 
 _BLUR = cv2.getGaussianKernel(7, 0.8).ravel()
 _SMOOTH = np.convolve(_BLUR, [0.25, 0.5, 0.25])
@@ -37,7 +38,7 @@ class EdgeMap:
     def of(image: Image, camera: Camera) -> EdgeMap:
         """Look at a view (H, W)."""
         along_rows = cv2.sepFilter2D(image, cv2.CV_32F, _SLOPE, _SMOOTH)[::_SAMPLED, ::_SAMPLED]
-        return EdgeMap(image, max(1.4826 * float(np.median(np.abs(along_rows))), _LEAST_NOISE), camera)
+        return EdgeMap(image, max(1.4826 * upper_median(np.abs(along_rows).ravel()), _LEAST_NOISE), camera)
 
     def shows(self, points_px: Floats, normals: Floats, reach_px: float) -> Bools:
         """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line."""
@@ -57,8 +58,9 @@ def _across(
     slopes: Sequence[NDArray[np.floating | np.integer]], points_px: Floats, normals: Floats, reach_px: Floats
 ) -> Floats:
     """How steep (N,) grey levels whose slopes along x and y (h, w) are known are across normals (N, 2), at most."""
-    at = (points_px[:, None] + reach_px[:, None] * normals[:, None]).astype(np.float32)
-    x, y = (cv2.remap(slope, at[..., 0], at[..., 1], cv2.INTER_LINEAR) for slope in slopes)
-    slope = x * normals[:, :1] + y * normals[:, 1:]
+    points, across, reach = (each.astype(np.float32) for each in (points_px, normals, reach_px))
+    u, v = (points[:, axis, None] + reach * across[:, axis, None] for axis in (0, 1))
+    x, y = (cv2.remap(slope, u, v, cv2.INTER_LINEAR) for slope in slopes)
+    slope = x * across[:, :1] + y * across[:, 1:]
     along = cv2.blur(slope, (1, 3), borderType=cv2.BORDER_REPLICATE)  # an edge goes on beside the point
     return np.asarray(np.abs(along).max(axis=1), np.float64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.shapes.sight import tangent_planes
+from stereo_pick.core.shapes.kinds import dot
 from stereo_pick.core.shapes.solids import Solids
 
 _DIRECTIONS = 48
@@ -18,13 +18,15 @@ def silhouettes(solids: Solids, eyes_m: Floats) -> Floats:
     is convex. They turn from x towards y.
     """
     angles = np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS)
-    around = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     centre = solids.seen_from(eyes_m)
-    at = np.broadcast_to(centre[..., :2] / centre[..., 2:], (*centre.shape[:2], _DIRECTIONS, 2))
+    planes = np.empty((*centre.shape[:2], _DIRECTIONS, 3))
+    cosine, sine = planes[..., 0], planes[..., 1] = np.cos(angles), np.sin(angles)
+    u, v = (centre[..., axis] / centre[..., 2] for axis in (0, 1))
     for _ in range(3):
-        touched = _touched(solids, tangent_planes(at, np.broadcast_to(around, at.shape))) + centre
-        at = touched[..., :2] / touched[..., 2:]
-    return np.asarray(at)
+        planes[..., 2] = -(u * cosine + v * sine)
+        touched = _touched(solids, planes) + centre
+        u, v = touched[..., 0] / touched[..., 2], touched[..., 1] / touched[..., 2]
+    return np.stack([u, v], axis=-1)
 
 
 def _touched(solids: Solids, planes: Floats) -> Floats:
@@ -39,14 +41,14 @@ def along_polygon(corners: Floats, count: int) -> tuple[Floats, Floats]:
 
     The polygons turn from x towards y.
     """
-    ahead = np.roll(corners, -1, axis=1) - corners
-    length = np.linalg.norm(ahead, axis=2)
+    ahead = np.concatenate([corners[:, 1:], corners[:, :1]], axis=1) - corners
+    length = np.sqrt(dot(ahead, ahead))
     end = np.cumsum(length, axis=1)
     at = (np.arange(count) + 0.5) / count * end[:, -1:]
-    side = (end[:, None, :] <= at[:, :, None]).sum(axis=2).clip(0, corners.shape[1] - 1)
-    row = np.arange(len(corners))[:, None]
-    tangent = ahead / (length[..., None] + 1e-12)
-    past = at - (end - length)[row, side]
-    points = corners[row, side] + past[..., None] * tangent[row, side]
-    chosen = tangent[row, side]
-    return points, np.stack([chosen[..., 1], -chosen[..., 0]], axis=2)
+    turn = np.arange(len(corners))[:, None]  # one polygon after the other
+    side = np.searchsorted((turn + end / end[:, -1:]).ravel(), (turn + at / end[:, -1:]).ravel(), side="right")
+    side = side.clip(0, end.size - 1).reshape(at.shape)
+    tangent = (ahead / (length[..., None] + 1e-12)).reshape(-1, 2)[side]
+    past = at - (end - length).ravel()[side]
+    points = corners.reshape(-1, 2)[side] + past[..., None] * tangent
+    return points, np.stack([tangent[..., 1], -tangent[..., 0]], axis=2)
