@@ -60,11 +60,10 @@ def locate(pair: RectifiedPair, matched: Sequence[BlobPair], max_concavity: floa
     """
     images = Images(pair)
     outlines = [_outlines(blobs, SHARP) for blobs in matched]
-    fits = fit_solids(outlines, pair.rig, nearest=images.nearest)
-    readings = [
-        [] if _is_clear(blobs, fit, max_concavity) else _readings(blobs, pair)
-        for blobs, pair, fit in zip(matched, outlines, fits)
-    ]
+    whole = [_is_whole(blobs, max_concavity) for blobs in matched]
+    found = iter(fit_solids([each for each, one in zip(outlines, whole) if one], pair.rig, nearest=images.nearest))
+    fits = [next(found) if one else None for one in whole]
+    readings = [[] if fit else _readings(blobs, each) for blobs, each, fit in zip(matched, outlines, fits)]
     images.look_at([each for several in readings for each in several])
     located = [_locate(images, *each, max_concavity) for each in zip(matched, outlines, readings, fits)]
     return located if flat_parts else [_unless_flat(pair.rig, *each) for each in zip(matched, located)]
@@ -74,7 +73,7 @@ def _locate(
     images: Images, blobs: BlobPair, outlines: Pair, readings: list[Pair], fit: SolidFit | None, max_concavity: float
 ) -> Located:
     fading = max(blob.fading for blob in blobs)
-    if fit is not None and _is_clear(blobs, fit, max_concavity):
+    if fit is not None:
         longer = _longer(images, outlines, blobs, fit)
         if longer is not None:
             return _stretched(images.rig, blobs, fit, longer.fit) if longer.believable else _refused(blobs, "half_lit")
@@ -95,9 +94,9 @@ def _locate(
     return _by_outlines(images.rig, blobs, None)
 
 
-def _is_clear(blobs: BlobPair, fit: SolidFit | None, max_concavity: float) -> bool:
-    """Whether the solid that explains the outlines, if there is one, needs no support by other edges."""
-    return fit is not None and not _is_notched(blobs, max_concavity) and max(b.fading for b in blobs) <= _MAY_FADE
+def _is_whole(blobs: BlobPair, max_concavity: float) -> bool:
+    """Whether a solid that explains the outlines needs no support by other edges."""
+    return not _is_notched(blobs, max_concavity) and max(blob.fading for blob in blobs) <= _MAY_FADE
 
 
 def _is_notched(blobs: BlobPair, max_concavity: float) -> bool:

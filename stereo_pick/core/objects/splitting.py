@@ -53,14 +53,14 @@ def may_be_two(blob: Blob) -> bool:
     missing = _missing_area(_drawn(blob))
     if missing < _NOTICED * blob.area_px2:
         return False
-    return any(left < (1 - _NEARLY_ALL) * missing for *_, left in _halves(blob))
+    return any(True for _ in _halves(blob, (1 - _NEARLY_ALL) * missing))
 
 
 def _best_cut(blob: Blob, must_gain: float) -> tuple[Blob, Blob] | None:
     """The two parts of least missing area, if that is clearly less than the missing area of the whole."""
     missing = _missing_area(_drawn(blob))
     best, least = None, (1 - must_gain) * missing
-    for begin, end, left in _halves(blob):
+    for begin, end, left in _halves(blob, least):
         cost = left + _cut_length(blob, begin, end) ** 2 * _CUT_COST
         if cost < least:
             best, least = (begin, end), cost
@@ -73,15 +73,18 @@ def _best_cut(blob: Blob, must_gain: float) -> tuple[Blob, Blob] | None:
 _CUT_COST = 0.02
 
 
-def _halves(blob: Blob) -> Iterator[tuple[int, int, float]]:
-    """The ends of each cut that leaves no sliver, and the missing area of both halves together [px²]."""
+def _halves(blob: Blob, less_px2: float) -> Iterator[tuple[int, int, float]]:
+    """The ends of each cut that leaves no sliver, and the missing area of both halves together, if less than this."""
     count, drawn = len(blob.contour_px), _drawn(blob)
     twice = np.concatenate([drawn, drawn])  # every arc in one piece
     for begin, end in _cuts(blob):
         first, last = min(begin, end), max(begin, end)
         halves = twice[first : last + 1], twice[last : first + count + 1]
-        if min(cv2.contourArea(half) for half in halves) >= _MIN_PART * blob.area_px2:
-            yield begin, end, sum(_missing_area(half) for half in halves)
+        if min(cv2.contourArea(half) for half in halves) < _MIN_PART * blob.area_px2:
+            continue
+        left = _missing_area(halves[0])
+        if left < less_px2 and (left := left + _missing_area(halves[1])) < less_px2:
+            yield begin, end, left
 
 
 def _cuts(blob: Blob) -> Iterator[tuple[int, int]]:
