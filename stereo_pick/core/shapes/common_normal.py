@@ -28,7 +28,7 @@ def common_normal(fits: Sequence[SolidFit | None]) -> Floats | None:
     if len(turned) < 2:
         return None
     candidates = _candidates(turned)
-    votes = np.array([_orientation_votes(each, turned) + _base_votes(each, solids) for each in candidates])
+    votes = _orientation_votes(candidates, turned) + [_base_votes(each, solids) for each in candidates]
     best = candidates[votes.argmax()]
     others = votes[np.abs(candidates @ best) < np.cos(np.deg2rad(12))]
     if votes.max() < 0.5 * (len(turned) + len(solids)) or (len(others) and others.max() > votes.max() - _LEAD):
@@ -50,8 +50,16 @@ def _axes(fit: SolidFit) -> list[Floats]:
     return list(fit.rotation.T) if fit.kind == BOX.name else [fit.rotation[:, 2]]
 
 
-def _orientation_votes(normal: Floats, turned: Sequence[SolidFit]) -> float:
-    return sum(_vote(min(_standing(normal, fit), _lying(normal, fit)) / _ANGLE) for fit in turned)
+def _orientation_votes(normals: Floats, turned: Sequence[SolidFit]) -> Floats:
+    """Those (C,) for each of several normals (C, 3)."""
+    votes = np.zeros(len(normals))
+    for fit in turned:
+        along = np.abs(normals @ np.array(_axes(fit)).T)
+        off = np.sqrt(np.maximum(1 - along.max(axis=1) ** 2, 0))
+        if fit.kind != BOX.name:
+            off = np.minimum(off, along[:, 0])
+        votes += np.maximum(1 - (off / _ANGLE) ** 2, 0)
+    return votes
 
 
 def _standing(normal: Floats, fit: SolidFit) -> float:

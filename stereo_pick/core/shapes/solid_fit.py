@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -40,7 +41,7 @@ class SolidFit:
         for name, shape in (("centre_m", (3,)), ("rotation", (3, 3)), ("size_m", (3,)), ("covariance", (3, 3))):
             object.__setattr__(self, name, floats(name, getattr(self, name), *shape))
 
-    @property
+    @cached_property
     def solid(self) -> Solids:
         """The solid as one that can be seen and measured."""
         kind = KINDS[self.kind]
