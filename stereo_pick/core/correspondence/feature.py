@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,14 +17,19 @@ from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.left_over import left_over
 from stereo_pick.core.correspondence.located import BlobPair, Located, locate
 from stereo_pick.core.correspondence.method import Method
+from stereo_pick.core.correspondence.on_table import SecondLook, lit_parts
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.similarity import Similarity
+from stereo_pick.core.errors import ArrayError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import common_normal
+from stereo_pick.core.shapes.common_table import common_table
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.table import FOUND, NONE, Table
 
 Pairs = list[tuple[int, int]]
 
@@ -63,6 +69,12 @@ class Feature(Method):
         "Whether parts may be flat. The lit top of a body whose sides are as bright as the table looks like a flat "
         "part, centimetres above the body's centre: what shows one flat face only is refused, unless this is set.",
     )
+    table: str = parameter(
+        FOUND,
+        "What the objects stand on: `found` from those that are seen best; `none` where they may stand or hang "
+        "anywhere; or the plane itself, as its normal towards the cameras and its offset, `nx ny nz d`: the points "
+        "p [m] in the rectified left camera frame with n p + d = 0.",
+    )
     ambiguity_margin: float = parameter(
         0.25,
         "How much better (0 the same, 1 from perfect to barely possible) a match must be than what is left over.",
@@ -70,14 +82,26 @@ class Feature(Method):
         high=1.0,
     )
 
+    def __post_init__(self) -> None:
+        """Read the table, if it is given."""
+        super().__post_init__()
+        try:
+            self._given_table  # noqa: B018
+        except ArrayError as error:
+            raise ParameterError(f"table = {self.table!r}: {error}") from None
+
+    @cached_property
+    def _given_table(self) -> Table | None:
+        return None if self.table in (FOUND, NONE) else Table.parsed(self.table)
+
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         """Return the centres of matched objects, left to right in the left view."""
         if self.assignment == "area":
             left, right = blobs.sound()
             matched = [(left[i], right[j]) for i, j in least_area_difference(left, right)]
-            return self._collected(pair, blobs, matched, [])
+            return self._collected(Images(pair), blobs, matched, [])
         matched, doubtful = self._paired(pair.rig, blobs.left, blobs.right)
-        return self._collected(pair, blobs, matched, doubtful)
+        return self._collected(Images(pair), blobs, matched, doubtful)
 
     def _paired(
         self, rig: StereoRig, left: Sequence[Blob], right: Sequence[Blob]
@@ -91,26 +115,42 @@ class Feature(Method):
         return sure, [(one[i], other[j]) for i, j in sorted(doubtful)]
 
     def _collected(
-        self, pair: RectifiedPair, blobs: Blobs, matched: list[BlobPair], doubtful: list[BlobPair]
+        self, images: Images, blobs: Blobs, matched: list[BlobPair], doubtful: list[BlobPair]
     ) -> Correspondences:
-        kept, lost = _told_apart(self._located(pair, matched, blobs.max_concavity))
-        dealt_with = [blob for each, _ in kept for blob in each] + [blob for each in doubtful for blob in each]
+        kept, lost = _told_apart(self._located(images, matched, blobs.max_concavity))
+        unclear = [blob for each in doubtful for blob in each]
 
         def located(left: list[Blob], right: list[Blob]) -> list[Row]:
-            return self._located(pair, self._paired(pair.rig, left, right)[0], blobs.max_concavity)
+            return self._located(images, self._paired(images.rig, left, right)[0], blobs.max_concavity)
 
-        blobs, rows = taken_apart(blobs, dealt_with, located)
+        blobs, rows = taken_apart(blobs, _blobs_of(kept) + unclear, located)
         found, lost_parts = _told_apart(rows)
-        lost = [row for row in lost if all(among(blob, (*blobs.left, *blobs.right)) for blob in row[0])] + lost_parts
-        dealt_with += [blob for each, _ in found + lost for blob in each]
-        kept = sorted(kept + found, key=lambda row: float(row[1].left_px[0]))
+        kept, lost = kept + found, lost + lost_parts
+        kept, off, table = self._on_table(images, blobs, kept, unclear)
+        lost = lost + off
+        lost = [row for row in lost if not _any_of(row[0], _blobs_of(kept)) and _all_of(row[0], blobs)]
         refused = [Refusal(where.reason, where.left_px, where.right_px) for _, where in lost]
         refused += [Refusal("ambiguous", left.centroid_px, right.centroid_px) for left, right in doubtful]
-        normal = common_normal([where.fit for _, where in kept])
+        normal = table.normal if table else common_normal([where.fit for _, where in kept])
         kept, unknown = self._of_known_reference(kept, normal)
         refused += [Refusal("no_solid", where.left_px, where.right_px) for _, where in unknown]
-        matches = [self._match(pair.rig, left, where, normal) for (left, _), where in kept]
-        return collect(matches, [*refused, *left_over(blobs, dealt_with, self.similarity(pair.rig))])
+        kept = sorted(kept, key=lambda row: float(row[1].left_px[0]))
+        matches = [self._match(images.rig, left, where, normal) for (left, _), where in kept]
+        dealt_with = _blobs_of(kept + lost + unknown) + unclear
+        return collect(matches, [*refused, *left_over(blobs, dealt_with, self.similarity(images.rig))])
+
+    def _on_table(
+        self, images: Images, blobs: Blobs, kept: list[Row], unclear: list[Blob]
+    ) -> tuple[list[Row], list[Row], Table | None]:
+        """What is found with the table, what is refused because of it, and the table."""
+        if not _have_edges(blobs):
+            return kept, [], self._given_table
+        left, right = (_without(side, _blobs_of(kept) + unclear) for side in (blobs.left, blobs.right))
+        look = SecondLook(images, lit_parts(left, right, self.disparities_px(images.rig)), self.flat_parts)
+        table = self._given_table
+        if self.table == FOUND:
+            table = common_table([where.fit for _, where in kept]) or look.verified_table(kept)
+        return (kept, [], None) if table is None else (*look.seen_on(table, kept), table)
 
     def _of_known_reference(self, rows: list[Row], normal: Floats | None) -> tuple[list[Row], list[Row]]:
         """Those of which the reference point is known, and the others."""
@@ -120,9 +160,9 @@ class Feature(Method):
             return [], rows
         return [row for row in rows if row[1].fit], [row for row in rows if not row[1].fit]
 
-    def _located(self, pair: RectifiedPair, matched: list[BlobPair], max_concavity: float) -> list[Row]:
+    def _located(self, images: Images, matched: list[BlobPair], max_concavity: float) -> list[Row]:
         if all(len(blob.sharpness) for each in matched for blob in each):
-            return list(zip(matched, locate(pair, matched, max_concavity, self.flat_parts)))
+            return list(zip(matched, locate(images, matched, max_concavity, self.flat_parts)))
         return [((one, two), Located(one.centroid_px, two.centroid_px, _PLAIN_SIGMA_PX, None)) for one, two in matched]
 
     def _match(self, rig: StereoRig, left: Blob, where: Located, normal: Floats | None) -> Match:
@@ -154,6 +194,26 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
 def _told_apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
     """Those whose place is known, and those that must be refused."""
     return [row for row in rows if not row[1].reason], [row for row in rows if row[1].reason]
+
+
+def _blobs_of(rows: Sequence[Row]) -> list[Blob]:
+    return [blob for blobs, _ in rows for blob in blobs]
+
+
+def _without(blobs: Sequence[Blob], others: Sequence[Blob]) -> list[Blob]:
+    return [blob for blob in _located_blobs(blobs) if not among(blob, others)]
+
+
+def _any_of(pair: BlobPair, others: Sequence[Blob]) -> bool:
+    return any(among(blob, others) for blob in pair)
+
+
+def _all_of(pair: BlobPair, blobs: Blobs) -> bool:
+    return all(among(blob, (*blobs.left, *blobs.right)) for blob in pair)
+
+
+def _have_edges(blobs: Blobs) -> bool:
+    return all(len(blob.sharpness) for blob in _located_blobs((*blobs.left, *blobs.right)))
 
 
 def _located_blobs(blobs: Sequence[Blob]) -> list[Blob]:

@@ -13,7 +13,6 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.one_face import shows_one_face
-from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.objects.splitting import may_be_two
@@ -24,7 +23,7 @@ from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 
 _ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point
-_HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow may have some, too
+HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow may have some, too
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
 _MAY_BE_CUT = 0.25
@@ -36,7 +35,8 @@ _SHARP_LIMB = 0.75
 _DISAGREE = 2.5  # sigmas
 _BODY = 0.3  # thickness by length of what is no lit face
 _SURELY_SHARP = 0.5
-_FLAT = 0.08  # thickness by length
+_FLAT = 0.08  # thickness by length of what may be a print
+TOP = 0.15  # ... of what may be the lit top of a body, as long as no table is known
 
 BlobPair = tuple[Blob, Blob]
 
@@ -53,20 +53,19 @@ class Located:
     reason: str = ""
 
 
-def locate(pair: RectifiedPair, matched: Sequence[BlobPair], max_concavity: float, flat_parts: bool) -> list[Located]:
+def locate(images: Images, matched: Sequence[BlobPair], max_concavity: float, flat_parts: bool) -> list[Located]:
     """Find the centre of every matched object, or say why it cannot be known.
 
     max_concavity: of one part's outline; flat_parts: whether what shows one face only may be a flat part.
     """
-    images = Images(pair)
     outlines = [_outlines(blobs, SHARP) for blobs in matched]
     whole = [_is_whole(blobs, max_concavity) for blobs in matched]
-    found = iter(fit_solids([each for each, one in zip(outlines, whole) if one], pair.rig, nearest=images.nearest))
+    found = iter(fit_solids([each for each, one in zip(outlines, whole) if one], images.rig, nearest=images.nearest))
     fits = [next(found) if one else None for one in whole]
     readings = [[] if fit else _readings(blobs, each) for blobs, each, fit in zip(matched, outlines, fits)]
     images.look_at([each for several in readings for each in several])
     located = [_locate(images, *each, max_concavity) for each in zip(matched, outlines, readings, fits)]
-    return located if flat_parts else [_unless_flat(pair.rig, *each) for each in zip(matched, located)]
+    return located if flat_parts else [_unless_flat(images.rig, *each) for each in zip(matched, located)]
 
 
 def _locate(
@@ -78,10 +77,10 @@ def _locate(
         if longer is not None:
             return _stretched(images.rig, blobs, fit, longer.fit) if longer.believable else _refused(blobs, "half_lit")
         complete = max(fading, *(blob.cut_share for blob in blobs)) <= _COMPLETE
-        return _by_outlines(images.rig, blobs, fit) if complete else _by_solid(images.rig, blobs, fit)
+        return _by_outlines(images.rig, blobs, fit) if complete else by_solid(images.rig, fit)
     best = images.best(readings)
     if best is not None:
-        return _by_solid(images.rig, blobs, best.fit)
+        return by_solid(images.rig, best.fit)
     if _is_notched(blobs, max_concavity) or any(
         blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs
     ):
@@ -122,8 +121,12 @@ def _unless_flat(rig: StereoRig, blobs: BlobPair, located: Located) -> Located:
         return located
     if located.fit is None:
         return _refused(blobs, "flat") if shows_one_face(*blobs, rig) else located
-    sizes = located.fit.size_m
-    return _refused(blobs, "flat") if sizes.min() < _FLAT * sizes.max() else located
+    return _refused(blobs, "flat") if is_flat(located.fit, TOP) else located
+
+
+def is_flat(fit: SolidFit, flat: float = _FLAT) -> bool:
+    """Whether a solid is so thin that it may be a print, or the lit top of another."""
+    return float(fit.size_m.min()) < flat * float(fit.size_m.max())
 
 
 def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> Supported | None:
@@ -169,19 +172,19 @@ def _by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Locat
 def _stretched(rig: StereoRig, blobs: BlobPair, fit: SolidFit, longer: SolidFit) -> Located:
     """The longer solid's centre; where the shorter one is a body, too, and its shadow may be what was found beyond it,
     no surer than the two agree."""
-    found = _by_solid(rig, blobs, longer)
+    found = by_solid(rig, longer)
     if fit.size_m.min() < _BODY * fit.size_m.max():
         return found
     off_px = float(np.linalg.norm(longer.centre_px(rig.left) - fit.centre_px(rig.left)))
     return replace(found, sigma_px=float(np.hypot(found.sigma_px, off_px / 2)))
 
 
-def _by_solid(rig: StereoRig, blobs: BlobPair, fit: SolidFit) -> Located:
+def by_solid(rig: StereoRig, fit: SolidFit) -> Located:
     """The images of the solid's centre; its covariance as the least sigma that covers it."""
     left_px, right_px = fit.centre_px(rig.left), fit.centre_px(rig.right)
     per_px2 = _covariance_per_px2(rig, fit.centre_m)
     spread = float(np.linalg.eigvals(np.linalg.solve(per_px2, fit.covariance)).real.max())
-    return Located(left_px, right_px, float(np.sqrt(_HALF_SEEN_SIGMA_PX**2 + spread)), fit)
+    return Located(left_px, right_px, float(np.sqrt(HALF_SEEN_SIGMA_PX**2 + spread)), fit)
 
 
 def _covariance_per_px2(rig: StereoRig, centre_m: Floats) -> Floats:

@@ -8,7 +8,7 @@ from functools import cached_property
 import cv2
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.arrays import Bools, Floats, floats
 from stereo_pick.core.errors import ArrayError
 
 MAX_CONCAVITY = 0.15
@@ -16,6 +16,8 @@ MAX_CONCAVITY = 0.15
 
 SHARP = 0.25
 """Sharpness from which a contour point is on an edge, and not where light merely fades."""
+
+_ON_HULL_PX = 1.0
 
 CUT = -1.0
 """Sharpness of contour points where there is no edge: touching parts were cut apart there."""
@@ -81,6 +83,13 @@ class Blob:
     def cut_share(self) -> float:
         """The part of the outline that lies on a cut."""
         return float((self.sharpness <= CUT).mean()) if len(self.sharpness) else 0.0
+
+    @cached_property
+    def on_hull(self) -> Bools:
+        """Which contour points (N,) are on its convex hull: what lies in a notch is not the edge of one convex part."""
+        hull = cv2.convexHull(self.contour_px.astype(np.float32))
+        inside = [cv2.pointPolygonTest(hull, (float(x), float(y)), True) for x, y in self.contour_px]
+        return np.asarray(np.array(inside) < _ON_HULL_PX)
 
     @cached_property
     def concavity(self) -> float:

@@ -7,12 +7,12 @@ from itertools import combinations
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.shapes.kinds import BOX, SPHERE, cross, dot
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _ANGLE = np.sin(np.deg2rad(6))  # within which an axis stands or lies
-_BASE = 0.1  # of the solids' size, within which they stand on one table
+BASE = 0.1  # of the solids' size, within which they stand on one table
 _LEAD = 1.0  # votes by which the normal must lead before any other direction
 
 
@@ -38,14 +38,14 @@ def common_normal(fits: Sequence[SolidFit | None]) -> Floats | None:
 
 def _candidates(turned: Sequence[SolidFit]) -> Floats:
     """All axes, and the directions across two that differ: (C, 3), unit."""
-    axes = [axis for fit in turned for axis in _axes(fit)]
+    axes = [axis for fit in turned for axis in standing_axes(fit)]
     own = [fit.rotation[:, 2] for fit in turned if fit.kind != BOX.name]
     across = [np.cross(one, other) for one, other in combinations(own, 2)]
     axes += [each / np.linalg.norm(each) for each in across if np.linalg.norm(each) > 0.35]
     return np.array(axes)
 
 
-def _axes(fit: SolidFit) -> list[Floats]:
+def standing_axes(fit: SolidFit) -> list[Floats]:
     """The axes that may stand upright."""
     return list(fit.rotation.T) if fit.kind == BOX.name else [fit.rotation[:, 2]]
 
@@ -62,9 +62,14 @@ def _orientation_votes(normals: Floats, turned: Sequence[SolidFit]) -> Floats:
     return votes
 
 
+def is_upright(normal: Floats, fit: SolidFit) -> bool:
+    """Whether a solid stands or lies on what has this normal (3,)."""
+    return fit.kind == SPHERE.name or min(_standing(normal, fit), _lying(normal, fit)) < _ANGLE
+
+
 def _standing(normal: Floats, fit: SolidFit) -> float:
     """Sine of the angle between the normal and the nearest axis that may stand."""
-    across = cross(np.array(_axes(fit)), normal)
+    across = cross(np.array(standing_axes(fit)), normal)
     return float(np.sqrt(dot(across, across).min()))
 
 
@@ -74,10 +79,23 @@ def _lying(normal: Floats, fit: SolidFit) -> float:
 
 
 def _base_votes(normal: Floats, solids: Sequence[SolidFit]) -> float:
-    up = _towards_cameras(normal, solids)
-    lowest = np.array([fit.centre_m @ up - fit.reach_m(up) for fit in solids])
-    size = float(np.mean([fit.size_m.mean() for fit in solids]))
-    return sum(_vote(each) for each in np.abs(lowest - np.median(lowest)) / (_BASE * size))
+    base_m = lowest_m(_towards_cameras(normal, solids), solids)
+    return sum(_vote(each) for each in _off_common_base(base_m, solids))
+
+
+def lowest_m(normal: Floats, solids: Sequence[SolidFit]) -> Floats:
+    """How high (S,) [m] the lowest point of each solid is above the camera, along a normal (3,) towards the cameras."""
+    return np.array([fit.centre_m @ normal - fit.reach_m(-normal) for fit in solids])
+
+
+def near_common_base(base_m: Floats, solids: Sequence[SolidFit]) -> Bools:
+    """Which (S,) of the lowest points (S,) [m] are as low as most."""
+    return np.asarray(_off_common_base(base_m, solids) < 1)
+
+
+def _off_common_base(base_m: Floats, solids: Sequence[SolidFit]) -> Floats:
+    size_m = float(np.mean([fit.size_m.mean() for fit in solids]))
+    return np.abs(base_m - np.median(base_m)) / (BASE * size_m)
 
 
 def _vote(off: float) -> float:
@@ -94,7 +112,7 @@ def _mean(normal: Floats, turned: Sequence[SolidFit]) -> Floats:
     """The direction nearest to the standing axes and furthest from the lying ones, of the solids that agree."""
     spread = np.zeros((3, 3))
     for fit in turned:
-        upright = max(_axes(fit), key=lambda axis: abs(float(axis @ normal)))
+        upright = max(standing_axes(fit), key=lambda axis: abs(float(axis @ normal)))
         if min(_standing(normal, fit), _lying(normal, fit)) < _ANGLE:
             spread += np.outer(upright, upright) * (1 if _standing(normal, fit) < _ANGLE else -1)
     return np.asarray(np.linalg.eigh(spread)[1][:, -1])

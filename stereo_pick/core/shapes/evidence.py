@@ -6,6 +6,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.shapes.refinement import TUKEY, Fitted, bounded
+from stereo_pick.core.shapes.table import Table
 
 ARCS = 9  # independent pieces of an outline: light and shading move an edge along whole arcs, not point by point
 _ASSUMED = 10.0  # independent pieces that the assumed noise counts for, beside the residuals seen
@@ -40,7 +41,7 @@ def complaint(found: Fitted, noise_px: float) -> Floats:
     return np.asarray(arcs * (misfit_px(found, noise_px) / noise_px) ** 2 + parameters * np.log(arcs))
 
 
-def centre_covariance(found: Fitted, noise_px: float) -> Floats:
+def centre_covariance(found: Fitted, noise_px: float, table: Table | None = None) -> Floats:
     """Covariance (S, 3, 3) [m²] of the centres, from the noise that the residuals show and the one assumed.
 
     Residuals are averaged over as many independent pieces as there are arcs; few of them remain beside the
@@ -56,6 +57,9 @@ def centre_covariance(found: Fitted, noise_px: float) -> Floats:
     point_variance = (variance * total / arcs)[:, None, None]
     normal = (found.jacobian * weight[..., None]).transpose(0, 2, 1) @ found.jacobian
     known = point_variance * np.eye(parameters)  # nothing on a table is off by more than 1 m or 1 rad
+    if table:
+        _, gradient = table.under(found.solids)
+        known = known + gradient[..., None] * gradient[:, None] * point_variance / table.sigma_m**2
     return np.asarray(np.linalg.inv(normal + known)[:, :3, :3] * point_variance)
 
 

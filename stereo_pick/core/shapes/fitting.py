@@ -20,6 +20,7 @@ from stereo_pick.core.shapes.six_sides import may_have_six_sides
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.starts import starts
+from stereo_pick.core.shapes.table import Table
 
 NOISE_PX = 0.1  # by which arcs of a sub-pixel outline are off
 _LEAST_TRUSTED = 12  # points in each view
@@ -60,31 +61,31 @@ Nearest = dict[tuple[Pair, Kind], tuple[Solids, float]]
 
 
 def fit_solid(
-    left: Outline, right: Outline, rig: StereoRig, table_normal: Floats | None = None, noise_px: float = NOISE_PX
+    left: Outline, right: Outline, rig: StereoRig, table: Table | None = None, noise_px: float = NOISE_PX
 ) -> SolidFit | None:
     """The solid that explains an object's outlines in both views; None where no kind does. See `fit_solids`."""
-    return fit_solids([(left, right)], rig, table_normal, noise_px)[0]
+    return fit_solids([(left, right)], rig, table, noise_px)[0]
 
 
 def fit_solids(
     pairs: Sequence[Pair],
     rig: StereoRig,
-    table_normal: Floats | None = None,
+    table: Table | None = None,
     noise_px: float = NOISE_PX,
     nearest: Nearest | None = None,
 ) -> list[SolidFit | None]:
     """For each object's outlines (left, right) of as many points each, the solid that explains them.
 
-    table_normal: (3,), unit, in the rectified left frame: where given, cylinders and hexagonal prisms stand or lie on
-    the table and boxes stand on one of their faces. noise_px: by how much outlines are off; a richer kind must explain
-    more than that to be preferred, and the chosen one must leave no more than half as much again. None where no kind
-    does, or where the one that does could as well be of another size. nearest: gets what was searched for thoroughly.
+    table: where given, cylinders and hexagonal prisms stand or lie on it and boxes stand on one of their faces.
+    noise_px: by how much outlines are off; a richer kind must explain more than that to be preferred, and the chosen
+    one must leave no more than half as much again. None where no kind does, or where the one that does could as well
+    be of another size. nearest: gets what was searched for thoroughly.
     """
     seen = np.array([i for i, pair in enumerate(pairs) if can_be_fitted(pair)], np.int64)
     chosen: list[SolidFit | None] = [None] * len(pairs)
     if not len(seen):
         return chosen
-    sight = Sight.of([pairs[i] for i in seen], rig)
+    sight = Sight.of([pairs[i] for i in seen], rig, table)
     unseen = sight.inner.mean(axis=(1, 2))
     least, left = np.full(len(seen), np.inf), np.full(len(seen), np.inf)
     six_sided, like_a_box = unseen < _A_SIDE, np.full(len(seen), True)
@@ -95,7 +96,7 @@ def fit_solids(
         remaining = np.flatnonzero(doubtful & six_sided if kind is HEX_PRISM else doubtful)
         if not len(remaining):
             continue
-        found = _searched(sight.only(remaining), kind, table_normal, stages)
+        found = _searched(sight.only(remaining), kind, stages)
         misfit, cost = misfit_px(found, noise_px), complaint(found, noise_px)
         if nearest is not None and stages is _ALL_OF[kind]:
             nearest.update(_one_by_one([pairs[i] for i in seen[remaining]], found))
@@ -105,7 +106,7 @@ def fit_solids(
             round_ = np.flatnonzero(explained(misfit, noise_px))
             possible = may_have_six_sides(sight.only(remaining[round_]), found.only(round_), noise_px)
             six_sided[remaining[round_]] &= possible
-        covariance = centre_covariance(found, noise_px)
+        covariance = centre_covariance(found, noise_px, table)
         fixed = determined(found, covariance)
         for at in np.flatnonzero(explained(misfit, noise_px) & (cost < least[remaining])):
             i = remaining[at]
@@ -114,14 +115,14 @@ def fit_solids(
     return chosen
 
 
-def nearest_of_kind(pairs: Sequence[Pair], rig: StereoRig, kind: Kind) -> Nearest:
+def nearest_of_kind(pairs: Sequence[Pair], rig: StereoRig, kind: Kind, table: Table | None = None) -> Nearest:
     """The solids of one kind that come nearest to the outlines of at least one object, each by itself."""
-    return _one_by_one(pairs, _searched(Sight.of(pairs, rig), kind, None, _ALL_OF[kind]))
+    return _one_by_one(pairs, _searched(Sight.of(pairs, rig, table), kind, _ALL_OF[kind]))
 
 
-def best_of_kind(pair: Pair, rig: StereoRig, kind: Kind) -> tuple[Solids, float]:
+def best_of_kind(pair: Pair, rig: StereoRig, kind: Kind, table: Table | None = None) -> tuple[Solids, float]:
     """The solid (S = 1) of one kind that comes nearest to an object's outlines, and its misfit [px], however large."""
-    return nearest_of_kind([pair], rig, kind)[pair, kind]
+    return nearest_of_kind([pair], rig, kind, table)[pair, kind]
 
 
 def can_be_fitted(pair: Pair) -> bool:
@@ -129,10 +130,10 @@ def can_be_fitted(pair: Pair) -> bool:
     return all((side.weight * (1 - side.corner)).sum() >= _LEAST_TRUSTED for side in pair)
 
 
-def _searched(sight: Sight, kind: Kind, table_normal: Floats | None, stages: tuple[_Stage, ...]) -> Fitted:
+def _searched(sight: Sight, kind: Kind, stages: tuple[_Stage, ...]) -> Fitted:
     """One solid of this kind for every object: many at first, of which ever fewer are pursued."""
     sparse, fine = (sight.coarse(), own_tangents), (sight.without_corners(), nearest_tangents)
-    objects, solids = starts(sparse[0], kind, table_normal, stages[0].kept)
+    objects, solids = starts(sparse[0], kind, stages[0].kept)
     rough = stages[0].rough
     seen, touch = sparse if rough else fine
     now = fitted(seen.only(objects), solids, touch)

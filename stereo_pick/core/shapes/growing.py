@@ -16,6 +16,7 @@ from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.kinds import HEX_PRISM, SPHERE
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.table import Table
 
 _STEP_PX = 3.0
 _NEW_PX = 4.0  # how far a point lies outside the old silhouette to be one of the new part
@@ -23,6 +24,7 @@ _LEAST = 0.15  # of the size of the part that was seen, and ...
 _LEAST_PX = 6.0  # ... in pixels: the shadow where an object stands has edges, too
 _FAR = 0.7  # part of the greatest such distance: the far end tells the length, the sides are there for any
 _POINTS_TO_SEE = 12  # a twelfth of a silhouette must be new
+_LEVEL = 0.5  # sine of the angle by which an axis that lies on the table may be off
 _TOGETHER = 3  # lengths of which only the middle one is looked at first
 _FARTHEST = 1.6  # times the size of the part that was seen
 
@@ -39,7 +41,7 @@ class _Look(NamedTuple):
 _FEW, _ALL = _Look(24, 1.5 + _STEP_PX, 0.5), _Look(72, 1.5, 0.75)
 
 
-def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap]) -> Solids | None:
+def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap], table: Table | None = None) -> Solids | None:
     """The stretched solid whose new silhouette the views show best, or None where none shows; solid: S = 1.
 
     Where there is nothing around the object, a few lengths seen by one eye show that already. What is left of a
@@ -47,14 +49,17 @@ def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap]) -> Solids | N
     """
     if solid.kind is SPHERE or (solid.kind is HEX_PRISM and not _is_face(solid)):
         return None
+    ways = _ways(solid, table)
+    if not ways:
+        return None
     old = silhouettes(solid, eyes_m)[0]
     lengths_m = _lengths_m(solid, views[0].camera.P[0, 0])
-    few = _stretched(solid, lengths_m[_TOGETHER // 2 :: _TOGETHER])
+    few = _stretched(solid, ways, lengths_m[_TOGETHER // 2 :: _TOGETHER])
     share, _ = _shown(few, old[0], eyes_m[:1], views[0], _FEW)
     likely = np.repeat((share >= _FEW.enough).reshape(-1, len(lengths_m) // _TOGETHER), _TOGETHER, axis=1)
     if not likely.any():
         return None
-    candidates = _stretched(solid, lengths_m).only(np.flatnonzero(likely))
+    candidates = _stretched(solid, ways, lengths_m).only(np.flatnonzero(likely))
     share, count = np.ones(len(candidates.centre_m)), np.zeros(len(candidates.centre_m))
     for i, view in enumerate(views):
         part, points = _shown(candidates, old[i], eyes_m[i : i + 1], view, _ALL)
@@ -63,7 +68,8 @@ def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap]) -> Solids | N
             return None
         candidates = candidates.only(left)
         share, count = np.minimum(share, part)[left], (count + points)[left]
-    return candidates.only(np.array([(share + count / (4 * _ALL.points)).argmax()]))
+    best = candidates.only(np.array([(share + count / (4 * _ALL.points)).argmax()]))
+    return best.turning_about(table.normal) if table else best.turning_freely()
 
 
 def _shown(solids: Solids, old: Floats, eye_m: Floats, view: EdgeMap, look: _Look) -> tuple[Floats, Floats]:
@@ -104,18 +110,24 @@ def _lengths_m(solid: Solids, focal_px: float) -> Floats:
     return np.asarray(least_m + step_m * np.arange(1, groups * _TOGETHER + 1))
 
 
-def _stretched(solid: Solids, lengths_m: Floats) -> Solids:
-    """The solid made longer by these lengths (L,) along each of its own axes, to either side: length by length."""
+def _ways(solid: Solids, table: Table | None) -> list[tuple[int, float]]:
+    """The axes along which a solid may go on, and to which side: not up from a known table, nor down into it."""
+    axes = [2] if solid.kind.sizes == 2 else [0, 1, 2]
+    if table is not None:
+        axes = [axis for axis in axes if abs(float(solid.rotation[0, :, axis] @ table.normal)) < _LEVEL]
+    return [(axis, sign) for axis in axes for sign in (1.0, -1.0)]
+
+
+def _stretched(solid: Solids, ways: Sequence[tuple[int, float]], lengths_m: Floats) -> Solids:
+    """The solid made longer by these lengths (L,) along these of its own axes, to these sides: length by length."""
     kind = solid.kind
-    ways = [(axis, sign) for axis in ((2,) if kind.sizes == 2 else (0, 1, 2)) for sign in (1.0, -1.0)]
     longer = np.array([np.arange(kind.sizes) == kind.axes[axis] for axis, _ in ways])
     towards = np.array([sign * solid.rotation[0, :, axis] for axis, sign in ways])
     half = solid.half_m + longer[:, None] * lengths_m[:, None] / 2
     centre = solid.centre_m + towards[:, None] * lengths_m[:, None] / 2
     every = len(ways) * len(lengths_m)
-    turns = np.broadcast_to(np.eye(3)[:, list(kind.turns)], (every, 3, len(kind.turns)))
     rotation = np.repeat(solid.rotation, every, axis=0)
-    return Solids(kind, centre.reshape(-1, 3), rotation, half.reshape(-1, kind.sizes), turns)
+    return Solids(kind, centre.reshape(-1, 3), rotation, half.reshape(-1, kind.sizes), np.zeros((every, 3, 0)))
 
 
 def _is_face(solid: Solids) -> bool:

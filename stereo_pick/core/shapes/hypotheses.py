@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE, Kind
 from stereo_pick.core.shapes.locking import Locked, lock
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.table import Table
 
 _LOOKED_FOR = (SPHERE, CYLINDER, BOX)
 _SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
@@ -36,6 +38,11 @@ class Supported:
     believable: bool
 
     @property
+    def score(self) -> float:
+        """What tells the better of two: support, less how far the edges lie off."""
+        return self.support - _PER_PX * self.fit.residual_px
+
+    @property
     def raises_doubt(self) -> bool:
         """Whether there is so much to it that a shorter solid is doubtful."""
         return self.believable or (self.support > _CONTRADICTED and _is_tight(self.fit.residual_px))
@@ -47,10 +54,14 @@ class Images:
     def __init__(self, pair: RectifiedPair) -> None:
         self.rig: StereoRig = pair.rig
         self.images: tuple[Image, Image] = (pair.left, pair.right)
-        self.maps = [EdgeMap.of(image, camera) for image, camera in zip(self.images, (pair.rig.left, pair.rig.right))]
         self.eyes_m = np.array([[0.0, 0.0, 0.0], [pair.rig.baseline_m, 0.0, 0.0]])
         self.nearest: Nearest = {}
         self._longer: dict[Solids, Supported | None] = {}
+
+    @cached_property
+    def maps(self) -> list[EdgeMap]:
+        """The edges of both views."""
+        return [EdgeMap.of(image, camera) for image, camera in zip(self.images, (self.rig.left, self.rig.right))]
 
     def look_at(self, readings: Sequence[Pair]) -> None:
         """Search for the solids nearest to many outlines at once: one by one takes twice the time."""
@@ -59,22 +70,26 @@ class Images:
             if new:
                 self.nearest.update(nearest_of_kind(new, self.rig, kind))
 
-    def longer(self, solid: Solids) -> Supported | None:
-        """The solid stretched to further edges and brought onto them, or None where there are none."""
+    def longer(self, solid: Solids, table: Table | None = None) -> Supported | None:
+        """The solid stretched to further edges and brought onto them, or None where there are none.
+
+        On a known table it goes on level only.
+        """
         if solid not in self._longer:
-            self._longer[solid] = self._stretched(solid)
+            self._longer[solid] = self._stretched(solid, table)
         return self._longer[solid]
 
-    def _stretched(self, solid: Solids) -> Supported | None:
-        stretched = grown(solid, self.eyes_m, self.maps)
+    def _stretched(self, solid: Solids, table: Table | None) -> Supported | None:
+        stretched = grown(solid, self.eyes_m, self.maps, table)
         if stretched is None:
             return None
-        longer = self.locked(stretched)
+        longer = self.locked(stretched, table)
         return longer if is_longer(longer.fit.solid, solid, self.rig.focal_px) else None
 
-    def locked(self, solid: Solids) -> Supported:
-        """The solid brought onto the edges next to its silhouette."""
-        return _supported(lock(solid, self.images, [view.noise for view in self.maps], self.rig))
+    def locked(self, solid: Solids, table: Table | None = None) -> Supported:
+        """The solid brought onto the edges next to its silhouette, and kept on the table, if that is known."""
+        locked = lock(solid, self.images, [view.noise for view in self.maps], self.rig, table)
+        return _supported(locked, table)
 
     def best(self, readings: Sequence[Pair]) -> Supported | None:
         """The solid with the most support among those that come near an object's outlines, and longer ones.
@@ -83,15 +98,16 @@ class Images:
         """
         found = [each for pair in readings for solid in self._near(pair) for each in self._with_longer(solid)]
         believable = [each for each in found if each.believable]
-        return max(believable, key=lambda each: each.support - _PER_PX * each.fit.residual_px, default=None)
+        return max(believable, key=lambda each: each.score, default=None)
 
     def _near(self, pair: Pair) -> Iterator[Solids]:
         for kind in _LOOKED_FOR:
-            solid, misfit_px = self._of_kind(pair, kind)
+            solid, misfit_px = self.of_kind(pair, kind)
             if misfit_px < _PLAUSIBLE_PX:
                 yield solid
 
-    def _of_kind(self, pair: Pair, kind: Kind) -> tuple[Solids, float]:
+    def of_kind(self, pair: Pair, kind: Kind) -> tuple[Solids, float]:
+        """The solid of a kind that comes nearest to an object's outlines alone, and its misfit [px]."""
         if (pair, kind) not in self.nearest:
             self.nearest.update(nearest_of_kind([pair], self.rig, kind))
         return self.nearest[pair, kind]
@@ -111,18 +127,18 @@ class Images:
     def hides_a_side(self, pair: Pair) -> bool:
         """Whether the edges around an object of unknown shape hint that its outlines show a part of it only."""
         for kind in (CYLINDER, BOX):
-            longer = self.longer(self._of_kind(pair, kind)[0])
+            longer = self.longer(self.of_kind(pair, kind)[0])
             if longer is not None and longer.believable:
                 return True
         return False
 
 
-def _supported(locked: Locked) -> Supported:
+def _supported(locked: Locked, table: Table | None) -> Supported:
     fit = locked.fit
     residual = np.abs(fit.residual_px[fit.weight > 0])
     median_px = float(np.median(residual)) if len(residual) else np.inf
     support = float(locked.shown.min())
-    covariance: Floats = centre_covariance(fit, max(NOISE_PX, 1.5 * median_px))[0]
+    covariance: Floats = centre_covariance(fit, max(NOISE_PX, 1.5 * median_px), table)[0]
     solids = fit.solids
     result = SolidFit(
         solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance

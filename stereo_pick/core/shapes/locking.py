@@ -16,6 +16,7 @@ from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
 from stereo_pick.core.shapes.sight import Sight
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.table import Table
 
 _ROUNDS = 4
 _SHIFTS_PX = (0.0, -1.2, 1.2)
@@ -35,7 +36,9 @@ class Locked:
     shown: Floats
 
 
-def lock(solid: Solids, images: Sequence[Image], noises: Sequence[float], rig: StereoRig) -> Locked:
+def lock(
+    solid: Solids, images: Sequence[Image], noises: Sequence[float], rig: StereoRig, table: Table | None = None
+) -> Locked:
     """Refine one solid on the edges of the two rectified views that are near its silhouette, of either sign.
 
     images: (H, W) each; noises: one sigma of their pixels [grey levels].
@@ -51,7 +54,7 @@ def lock(solid: Solids, images: Sequence[Image], noises: Sequence[float], rig: S
             offset, weight = _edges_near(image, pixels, normals, noise, _SHIFTS_PX if round_ == 0 else (0.0,))
             outlines.append(Outline(pixels - offset[:, None] * normals, normals, weight, np.zeros(len(weight))))
             offsets.append(np.where(weight > 0, np.abs(offset), np.inf))
-        sight = Sight.of([(outlines[0], outlines[1])], rig)
+        sight = Sight.of([(outlines[0], outlines[1])], rig, table)
         now = fitted(sight, solid)
         if round_ == _ROUNDS or min(outline.weight.sum() for outline in outlines) < 8:
             break

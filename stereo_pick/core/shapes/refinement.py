@@ -12,12 +12,14 @@ from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.residuals import Tangents, residuals
 from stereo_pick.core.shapes.sight import Sight
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.table import Table
 
 Touch = Callable[[Sight, Solids], Tangents]
 
 TUKEY = 4.685  # in sigmas: 95 % efficient on normal noise
 _LEAST_SCALE_PX = 0.05
 _LEAST_HALF = 0.02  # of the object's radius
+_FIRM = 1e5  # points of an outline that weigh as much as the table
 _CONVERGED_PX = 0.01  # the step is taken, and the next one would be far smaller
 _SAME = np.eye(3)
 _CROSS = np.cross(_SAME[:, None], -_SAME).reshape(3, 9)  # of each axis: what it turns the others to
@@ -57,8 +59,9 @@ def refine(sight: Sight, now: Fitted, rounds: int, touch: Touch = nearest_tangen
     damping = np.full(len(now.residual_px), 1e-3)
     for _ in range(rounds):
         scale = np.maximum(now.scale_px(), _LEAST_SCALE_PX)[:, None]
-        step = _step(now, scale, damping)
-        tried = fitted(sight, _moved(now.solids, step, _LEAST_HALF * sight.radius_m), touch)
+        step = _step(sight, now, scale, damping)
+        moved = _moved(now.solids, step, _LEAST_HALF * sight.radius_m)
+        tried = fitted(sight, sight.table.put_down(moved) if sight.table else moved, touch)
         better = _cost(tried, scale) <= _cost(now, scale)
         settled = np.abs((now.jacobian @ step[..., None])[..., 0]).max(axis=1) < _CONVERGED_PX
         now = _where(better, tried, now)
@@ -66,6 +69,15 @@ def refine(sight: Sight, now: Fitted, rounds: int, touch: Touch = nearest_tangen
         if settled.all():
             break
     return now
+
+
+def firmly_on(table: Table, solids: Solids, focal_px: float) -> tuple[Floats, Floats]:
+    """What a table adds to the normal matrices (S, P, P) and right-hand sides (S, P, 1) of a step's equations, so that
+    the lowest points of the solids (S) come to lie on it."""
+    height_m, gradient = table.under(solids)
+    weight = _FIRM * (focal_px / solids.centre_m[:, 2, None]) ** 2
+    column = gradient[..., None]
+    return column * (weight * gradient)[:, None], column * (weight * height_m[:, None])[..., None]
 
 
 def bounded(residual_px: Floats, scale_px: Floats | float) -> Floats:
@@ -78,13 +90,15 @@ def _cost(now: Fitted, scale_px: Floats) -> Floats:
     return np.asarray((now.weight * bounded(now.residual_px, scale_px)).sum(axis=1))
 
 
-def _step(now: Fitted, scale_px: Floats, damping: Floats) -> Floats:
+def _step(sight: Sight, now: Fitted, scale_px: Floats, damping: Floats) -> Floats:
     """The damped step (S, 3 + Q + sizes) of iteratively reweighted least squares."""
     weight = now.weight * np.maximum(1 - (now.residual_px / (TUKEY * scale_px)) ** 2, 0) ** 2
     weighted = (now.jacobian * weight[..., None]).transpose(0, 2, 1)
     normal = weighted @ now.jacobian
     diagonal = np.einsum("sii->si", normal)  # a view
     diagonal += diagonal * damping[:, None] + 1e-9
+    if sight.table:
+        normal += firmly_on(sight.table, now.solids, sight.focal_px)[0]
     return -np.asarray(np.linalg.solve(normal, weighted @ now.residual_px[..., None])[..., 0])
 
 

@@ -13,6 +13,7 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.kinds import dot
 from stereo_pick.core.shapes.outline import Outline
+from stereo_pick.core.shapes.table import Table
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +23,7 @@ class Sight:
     points, normals: (O, 2, N, 2), normalized coordinates of the rectified views; weight: (O, 2, N), of the points that
     are the object's edge; inner: (O, 2, N), 1 where something else ends what is seen of the object, so that it reaches
     at least there; smooth: (O, 2, N), 0 at corners; eyes_m: (2, 3), the cameras' places in the rectified left frame;
-    focal_px; centre_m (O, 3) and radius_m (O,): roughly.
+    focal_px; centre_m (O, 3) and radius_m (O,): roughly; table: what they all stand on, if that is known.
     """
 
     points: Floats
@@ -34,9 +35,10 @@ class Sight:
     focal_px: float
     centre_m: Floats
     radius_m: Floats
+    table: Table | None = None
 
     @staticmethod
-    def of(pairs: Sequence[tuple[Outline, Outline]], rig: StereoRig) -> Sight:
+    def of(pairs: Sequence[tuple[Outline, Outline]], rig: StereoRig, table: Table | None = None) -> Sight:
         """The outlines (left, right) of at least one object; all of as many points."""
         cameras = (rig.left, rig.right)
         points = np.array([[_normalized(side.points_px, lens) for side, lens in zip(pair, cameras)] for pair in pairs])
@@ -50,7 +52,7 @@ class Sight:
         radius = half.mean(axis=(1, 2)) * depth
         eyes = np.array([[0.0, 0.0, 0.0], [rig.baseline_m, 0.0, 0.0]])
         centre = np.stack([x, y, depth], axis=1)
-        return Sight(points, normals, weight, 1 - weight, smooth, eyes, rig.focal_px, centre, radius)
+        return Sight(points, normals, weight, 1 - weight, smooth, eyes, rig.focal_px, centre, radius, table)
 
     def only(self, objects: Ints) -> Sight:
         """The same of these objects alone."""

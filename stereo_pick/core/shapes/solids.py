@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,17 @@ class Solids:
     def only(self, chosen: Ints) -> Solids:
         """These of them."""
         return Solids(self.kind, self.centre_m[chosen], self.rotation[chosen], self.half_m[chosen], self.turns[chosen])
+
+    def turning_freely(self) -> Solids:
+        """The same, to be turned about every axis that matters."""
+        turns = np.eye(3)[:, list(self.kind.turns)]
+        return replace(self, turns=np.broadcast_to(turns, (len(self.centre_m), *turns.shape)))
+
+    def turning_about(self, axis: Floats) -> Solids:
+        """The same, to be turned about one axis (3,) of the rectified left frame, if any turn matters."""
+        if not self.kind.turns:
+            return self.turning_freely()
+        return replace(self, turns=np.asarray(axis @ self.rotation)[..., None])
 
     def size_m(self) -> Floats:
         """Full sizes (S, 3) along the axes."""

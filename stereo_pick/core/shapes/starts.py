@@ -10,9 +10,11 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints, frozen
 from stereo_pick.core.shapes.kinds import BOX, HEX_PRISM, Kind
+from stereo_pick.core.shapes.refinement import firmly_on
 from stereo_pick.core.shapes.residuals import own_tangents, residuals
 from stereo_pick.core.shapes.sight import Sight
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.table import Table
 
 _DIRECTIONS = 24
 _BOX_STEPS = (-0.4, -0.24, -0.08, 0.08, 0.24, 0.4)
@@ -24,13 +26,13 @@ _LEAST_SIZE = 0.1  # of the object's radius
 _LOOSE = 0.03  # weight of the guess that all half sizes are alike, against the outlines
 
 
-def starts(sight: Sight, kind: Kind, table_normal: Floats | None, keep: int) -> tuple[Ints, Solids]:
+def starts(sight: Sight, kind: Kind, keep: int) -> tuple[Ints, Solids]:
     """The `keep` most promising solids of each object: their objects (S,), ascending, and they.
 
     The residuals along the outlines' own normals are linear in centre and half sizes, so each orientation of a grid
-    costs one small linear system and no iteration. With a table normal (3,), solids stand or lie on the table.
+    costs one small linear system and no iteration. On a table, solids stand or lie.
     """
-    rotations, turns = _orientations(kind, table_normal)
+    rotations, turns = _orientations(kind, sight.table)
     count, grid = len(sight.points), len(rotations)
     objects = np.repeat(np.arange(count), grid)
     solids = Solids(
@@ -56,22 +58,28 @@ def _solved(sight: Sight, solids: Solids) -> tuple[Solids, Floats]:
     loose[3:] = _LOOSE
     diagonal = np.einsum("sii->si", normal)
     normal = normal + (diagonal * loose**2 + 1e-9)[..., None] * np.eye(len(loose))
-    step = -np.linalg.solve(normal, weighted @ residual[..., None])[..., 0]
+    pull = weighted @ residual[..., None]
+    if sight.table:
+        stiff, pulled = firmly_on(sight.table, solids, sight.focal_px)
+        normal, pull = normal + stiff, pull + pulled
+    step = -np.linalg.solve(normal, pull)[..., 0]
     half_m = np.maximum(solids.half_m + step[:, 3:], _LEAST_SIZE * sight.radius_m[:, None])
     moved = Solids(solids.kind, solids.centre_m + step[:, :3], solids.rotation, half_m, solids.turns)
+    if sight.table:
+        moved = sight.table.put_down(moved)
     left = residual + (linear @ np.concatenate([step[:, :3], half_m - solids.half_m], axis=1)[..., None])[..., 0]
     return moved, (weight * np.abs(left)).sum(axis=1) / weight.sum(axis=1)
 
 
-def _orientations(kind: Kind, table_normal: Floats | None) -> tuple[Floats, Floats]:
+def _orientations(kind: Kind, table: Table | None) -> tuple[Floats, Floats]:
     """Orientations (G, 3, 3) to begin at, and the axes (G, 3, Q) about which each may be turned from there.
 
-    About the table's normal, where one is given; a solid that looks the same from all sides need not be turned.
+    About the normal of the table, where there is one; a solid that looks the same from all sides need not be turned.
     """
-    if table_normal is None or not kind.turns:
+    if table is None or not kind.turns:
         rotations = _free_orientations(kind)
         return rotations, np.broadcast_to(np.eye(3)[:, list(kind.turns)], (len(rotations), 3, len(kind.turns)))
-    upright = _frame(table_normal)
+    upright = _frame(table.normal)
     standing = turned(*_YAWS.get(kind, (0.0, 1)))
     lying = np.empty((0, 3, 3)) if kind is BOX else turned(np.pi, _LYING) @ _ON_ITS_SIDE
     rotations = upright @ np.concatenate([standing, lying])

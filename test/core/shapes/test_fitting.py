@@ -13,6 +13,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solid, fit_solids
 from stereo_pick.core.shapes import kinds as shapes
+from stereo_pick.core.shapes.table import Table
 
 RIG = RIGS["verged"]
 UP = rotation((np.deg2rad(140), 0.05, 0)) @ (0, 0, 1)
@@ -61,7 +62,9 @@ def test_on_a_known_table_every_centre_is_right(kind: str, lying: bool, yaw_deg:
     solid = shapes.KINDS[kind]
     half_m = np.array([0.02, 0.034, 0.027])[: solid.sizes]
     part = on_table(kind, np.deg2rad(yaw_deg), lying, half_m)
-    fit = fit_solid(*outlines_of(part, RIG), RIG, UP)
+    height_m = half_m[0] if lying else half_m[-1]
+    table = Table(UP, -float(UP @ (part.centre_m - height_m * UP)), 5e-4)
+    fit = fit_solid(*outlines_of(part, RIG), RIG, table)
     assert fit is not None and fit.kind == kind
     np.testing.assert_allclose(fit.centre_m, part.centre_m, atol=3e-5)
     np.testing.assert_allclose(sorted(fit.size_m), sorted(2 * half_m[list(solid.axes)] * solid.spans), rtol=5e-3)

@@ -16,6 +16,7 @@ from stereo_pick.core.objects import Blob
 from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, common_normal, fit_solids
+from stereo_pick.core.shapes.table import Table
 
 RIG = RIGS["verged"]
 PARTS: tuple[Solid, ...] = (
@@ -44,9 +45,9 @@ def matched() -> tuple[Floats, list[tuple[Blob, Blob]]]:
     return truth[order], outlines
 
 
-def fits(table_normal: Floats | None = None) -> list[SolidFit | None]:
+def fits(table: Table | None = None) -> list[SolidFit | None]:
     pairs = [tuple(Outline.from_contour(blob.contour_px) for blob in pair) for pair in matched()[1]]
-    return fit_solids([(left, right) for left, right in pairs], RIG, table_normal, noise_px=0.15)
+    return fit_solids([(left, right) for left, right in pairs], RIG, table, noise_px=0.15)
 
 
 def error_m(truth: Floats, pair: tuple[Blob, Blob], fit: SolidFit | None) -> float:
@@ -75,7 +76,8 @@ def test_the_corrected_point_is_nearer_to_the_centre() -> None:
     truth, outlines = matched()
     plain = np.array([error_m(each, pair, None) for each, pair in zip(truth, outlines)])
     free = np.array([error_m(each, pair, fit) for each, pair, fit in zip(truth, outlines, fits())])
-    standing = fits(RIG.left.R @ SCENE.left_T_table.rotation[:, 2])
+    normal = RIG.left.R @ SCENE.left_T_table.rotation[:, 2]
+    standing = fits(Table(normal, -float(normal @ RIG.left.R @ SCENE.left_T_table.translation), 5e-4))
     known = np.array([error_m(each, pair, fit) for each, pair, fit in zip(truth, outlines, standing)])
     assert free.mean() < 0.6 * plain.mean() and known.mean() < 0.6 * plain.mean()
     assert free.max() < 4e-4 and known.max() < 4e-4

@@ -1,0 +1,108 @@
+"""A second look at what the outlines alone left open, once the table is known that the other objects stand on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stereo_pick.core.correspondence.apart import Row
+from stereo_pick.core.correspondence.assignment import assign
+from stereo_pick.core.correspondence.frontier import reaches_down
+from stereo_pick.core.correspondence.located import HALF_SEEN_SIGMA_PX, TOP, BlobPair, Located, by_solid, is_flat
+from stereo_pick.core.correspondence.similarity import Similarity
+from stereo_pick.core.objects import Blob
+from stereo_pick.core.objects.blob import SHARP
+from stereo_pick.core.shapes import Outline, SolidFit
+from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables
+from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.standing import CHANCE, standing
+from stereo_pick.core.shapes.table import Table
+
+_ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 0.3, 3.0  # by how much the lit parts of one object may differ
+_TRIED_TABLES, _TRIED_PAIRS = 4, 3
+
+
+@dataclass(frozen=True, eq=False)
+class SecondLook:
+    """images: the views; pairs: what in them may be the lit parts of the same objects, not found without a table;
+    flat_parts: whether parts may be as thin as a print."""
+
+    images: Images
+    pairs: Sequence[BlobPair]
+    flat_parts: bool
+
+    def verified_table(self, kept: Sequence[Row]) -> Table | None:
+        """The table that one of the objects found supposes, and on which another one is found, too."""
+        fits = [where.fit for _, where in kept]
+        for table in supposed_tables(fits)[:_TRIED_TABLES]:
+            others = [found.fit for blobs in self.pairs[:_TRIED_PAIRS] if (found := self._on(table, blobs))]
+            agreed = common_table([*fits, *others]) if others else None
+            if agreed is not None:
+                return agreed
+        return None
+
+    def seen_on(self, table: Table, kept: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+        """What is found, and what must be refused.
+
+        kept: what was found without the table; what is sure and stands on it stays. All else, and the pairs, is looked
+        for as solids on the table.
+        """
+        sure = [_is_sure(where, table) for _, where in kept]
+        found = [row for row, stays in zip(kept, sure) if stays]
+        refused: list[Row] = []
+        for blobs, where in [row for row, stays in zip(kept, sure) if not stays]:
+            again = self._weighed(table, blobs, where)
+            if again.fit is not None and not _is_apart(again.fit, found):
+                again = replace(where, fit=None, reason="merged")
+            (refused if again.reason else found).append((blobs, again))
+        for blobs in self.pairs:
+            standing_there = self._on(table, blobs)
+            if standing_there is not None and _is_apart(standing_there.fit, found):
+                found.append((blobs, by_solid(self.images.rig, standing_there.fit)))
+        return found, refused
+
+    def _weighed(self, table: Table, blobs: BlobPair, where: Located) -> Located:
+        """What was found without the table against what would stand on it.
+
+        A part of a solid is supported where it shares the whole one's edges: what stands on the table and has as much
+        support is the whole. What hangs in the air after that must have a body of its own.
+        """
+        on_it, fit = self._on(table, blobs), where.fit
+        if fit is None:
+            if on_it is not None:
+                return by_solid(self.images.rig, on_it.fit)
+            return where if reaches_down(*blobs, self.images.rig, table) else replace(where, reason="half_lit")
+        if on_it is not None and on_it.support >= self.images.locked(fit.solid.turning_freely()).support - CHANCE:
+            return by_solid(self.images.rig, on_it.fit)
+        if stands_on(table, fit) or (hangs_above(table, fit) and not is_flat(fit, TOP)):
+            return where
+        return replace(where, fit=None, reason="off_table")
+
+    def _on(self, table: Table, blobs: BlobPair) -> Supported | None:
+        one, other = (Outline.from_contour(b.contour_px, (b.sharpness >= SHARP) & b.on_hull) for b in blobs)
+        found = standing(self.images, (one, other), table)
+        return None if found is None or (is_flat(found.fit) and not self.flat_parts) else found
+
+
+def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple[float, float]) -> list[BlobPair]:
+    """What may be the lit parts of the same objects."""
+    cost = Similarity(_ROWS_PX, _OF_HEIGHT, _AREA_RATIO, disparities_px).costs(left, right)
+    return [(left[i], right[j]) for i, j in assign(cost, unmatched_cost=1.0)]
+
+
+def _is_sure(where: Located, table: Table) -> bool:
+    return where.fit is not None and where.sigma_px <= HALF_SEEN_SIGMA_PX and stands_on(table, where.fit)
+
+
+def _is_apart(fit: SolidFit | None, found: Sequence[Row]) -> bool:
+    """No two solids are at the same place."""
+    others = [other.fit for _, other in found if other.fit is not None]
+    return fit is not None and not any(_within(fit, other) or _within(other, fit) for other in others)
+
+
+def _within(one: SolidFit, other: SolidFit) -> bool:
+    """Whether the centre of one lies inside the other."""
+    own = (one.centre_m - other.centre_m) @ other.rotation
+    return bool((np.abs(own) < other.size_m / 2).all())

@@ -1,0 +1,88 @@
+"""The table that the solids of a scene stand on, found from the solids themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stereo_pick.core.shapes.common_normal import (
+    BASE,
+    common_normal,
+    is_upright,
+    lowest_m,
+    near_common_base,
+    standing_axes,
+)
+from stereo_pick.core.shapes.kinds import SPHERE
+from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.table import Table
+
+_AXIS_RAD = np.deg2rad(0.5)  # sigma of one solid's axis
+_LEAST_SIGMA_M = 0.0003
+_LEAST = 2
+_THIN = 0.2  # height by length of what may be the top of a body only
+_STEEP = np.sin(np.deg2rad(25))  # of the least angle at which a table is looked at
+_SUPPOSED_SIGMA_M = 0.001
+
+
+def common_table(fits: Sequence[SolidFit | None]) -> Table | None:
+    """The plane that the solids stand on, rectified left frame; None where too few of them agree on one.
+
+    The axes say how it is inclined, and so do the lowest points of solids that are far apart: both count as their
+    sigmas allow.
+    """
+    normal = common_normal(fits)
+    if normal is None:
+        return None
+    solids = [fit for fit in fits if fit is not None]
+    base_m = lowest_m(normal, solids)
+    on_it = np.flatnonzero(near_common_base(base_m, solids))
+    if len(on_it) < _LEAST:
+        return None
+    feet_m = np.array([solids[i].centre_m - (solids[i].centre_m @ normal - base_m[i]) * normal for i in on_it])
+    sigma_m = np.array([np.hypot(2 * np.sqrt(normal @ solids[i].covariance @ normal), _LEAST_SIGMA_M) for i in on_it])
+    across = np.linalg.svd(normal[None])[2][1:]
+    middle = feet_m.mean(axis=0)
+    rows = np.c_[(feet_m - middle) @ across.T, np.ones(len(feet_m))] / sigma_m[:, None]
+    known = np.diag([1.0, 1.0, 0.0]) * len(on_it) / _AXIS_RAD**2
+    covariance = np.linalg.inv(rows.T @ rows + known)
+    tilt_x, tilt_y, _ = found = -covariance @ rows.T @ ((feet_m - middle) @ normal / sigma_m)
+    tilted = normal + tilt_x * across[0] + tilt_y * across[1]
+    off = ((feet_m - middle) @ normal) / sigma_m + rows @ found
+    worse = max(1.0, float(np.sqrt((off**2).mean())))
+    offset_m = (float(found[2]) - float(middle @ tilted)) / float(np.linalg.norm(tilted))
+    sigma = float(np.sqrt(covariance[2, 2] + covariance[0, 0] * 0.1**2)) * worse
+    return Table(tilted / np.linalg.norm(tilted), offset_m, sigma)
+
+
+def supposed_tables(fits: Sequence[SolidFit | None]) -> list[Table]:
+    """What the solids would stand on, one by one, if they stand on a face that the cameras do not see.
+
+    Most of these are wrong: another object must be found on a table before it is believed.
+    """
+    tables = []
+    for fit in fits:
+        if fit is None or fit.kind == SPHERE.name or fit.size_m.min() < _THIN * fit.size_m.max():
+            continue
+        ahead = fit.centre_m / np.linalg.norm(fit.centre_m)
+        for axis in standing_axes(fit):
+            up = -axis * np.sign(axis @ ahead)
+            if -up @ ahead > _STEEP:
+                tables.append(Table(up, -float(lowest_m(up, [fit])[0]), _SUPPOSED_SIGMA_M))
+    return tables
+
+
+def stands_on(table: Table, fit: SolidFit) -> bool:
+    """Whether a solid stands or lies on a table."""
+    return abs(_base_m(table, fit)) < BASE * float(fit.size_m.mean()) and is_upright(table.normal, fit)
+
+
+def hangs_above(table: Table, fit: SolidFit) -> bool:
+    """Whether a solid is turned as if it stood or lay on a table, but is held, or supported, above it."""
+    return _base_m(table, fit) > 0 and is_upright(table.normal, fit)
+
+
+def _base_m(table: Table, fit: SolidFit) -> float:
+    height_m, _ = table.under(fit.solid)
+    return float(height_m[0])

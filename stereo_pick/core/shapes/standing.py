@@ -1,0 +1,81 @@
+"""Solids on a known table, of which the images show a part clearly: the table says where the rest ends.
+
+A lit top tells all of a standing part but its height, and the table tells that. What remains is to see whether the
+edges that such a solid must have are there in both views.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.fitting import Pair, best_of_kind, can_be_fitted
+from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE
+from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.table import Table
+
+CHANCE = 1 / 12  # by which the support of two solids that share most of their silhouettes may differ
+_UPRIGHT = np.cos(np.deg2rad(25))  # of an axis that the outlines alone put so near to upright
+
+
+def standing(images: Images, pair: Pair, table: Table) -> Supported | None:
+    """The solid on the table with the most support among those that an object's outlines hint at; None where there is
+    none to believe in.
+
+    A piece of a solid has the support of the sides that it shares with the whole: what goes on further, with as much
+    support, is the whole.
+    """
+    if not can_be_fitted(pair):
+        return None
+    found = [images.locked(solid, table) for solid in _candidates(images, pair, table)]
+    best = max((each for each in found if each.believable), key=lambda each: each.score, default=None)
+    longer = images.longer(best.fit.solid, table) if best is not None else None
+    if best is None or longer is None or longer.support < best.support - CHANCE:
+        return best
+    return longer if longer.believable else None
+
+
+def _candidates(images: Images, pair: Pair, table: Table) -> Iterator[Solids]:
+    for kind in (SPHERE, CYLINDER, BOX, HEX_PRISM):
+        solid, _ = best_of_kind(pair, images.rig, kind, table)
+        yield solid
+        if kind is SPHERE:
+            continue
+        free, _ = images.of_kind(pair, kind)
+        lengthened = down_to(free, table)
+        if lengthened is not None:
+            yield lengthened
+
+
+def down_to(solid: Solids, table: Table) -> Solids | None:
+    """The solid (S = 1) set upright, from its top down to the table.
+
+    None where none of its axes is nearly upright, or its top is not above the table.
+    """
+    kind, axes = solid.kind, solid.rotation[0].T
+    axis = int(np.abs(axes @ table.normal).argmax()) if kind is BOX else 2
+    up = axes[axis] * np.sign(axes[axis] @ table.normal)
+    if up @ table.normal < _UPRIGHT:
+        return None
+    half_m = solid.half_m[0].copy()
+    which = kind.axes[axis]
+    top_m = solid.centre_m[0] + up * half_m[which]
+    height_m = float(table.height_m(top_m))
+    if height_m <= 0:
+        return None
+    half_m[which] = height_m / 2
+    rotation = _shortest_turn(up, table.normal) @ solid.rotation[0]
+    centre_m = top_m - table.normal * height_m / 2
+    found = Solids(kind, centre_m[None], rotation[None], half_m[None], np.zeros((1, 3, 0)))
+    return found.turning_about(table.normal)
+
+
+def _shortest_turn(one: Floats, other: Floats) -> Floats:
+    """The rotation (3, 3) that turns one unit vector (3,) to another, less than 180 degrees away."""
+    axis = np.cross(one, other)
+    x, y, z = axis
+    across = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.asarray(np.eye(3) + across + across @ across / (1 + one @ other))

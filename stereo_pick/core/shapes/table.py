@@ -1,0 +1,70 @@
+"""The table that objects stand on: one more plane that touches each of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.errors import ArrayError
+from stereo_pick.core.shapes.kinds import cross, dot
+from stereo_pick.core.shapes.solids import Solids
+
+FOUND, NONE = "found", "none"
+_GIVEN_SIGMA_M = 0.001
+_UNIT = 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The points p [m] of the rectified left frame with normal @ p + offset_m = 0.
+
+    normal: (3,), unit, towards the cameras; sigma_m: of its height where objects stand.
+    """
+
+    normal: Floats
+    offset_m: float
+    sigma_m: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "normal", floats("normal", self.normal, 3))
+
+    @staticmethod
+    def parsed(text: str) -> Table:
+        """Read `nx ny nz d`; raises ArrayError where that is no plane in front of the cameras."""
+        try:
+            *normal, offset_m = (float(word) for word in text.replace(",", " ").split())
+        except ValueError:
+            normal, offset_m = [], 0.0
+        length = float(np.linalg.norm(normal))
+        if len(normal) != 3 or not np.isfinite(length + offset_m) or abs(length - 1) > _UNIT:
+            raise ArrayError(f"must be {FOUND}, {NONE}, or four numbers: a unit normal and an offset in metres")
+        if normal[2] >= 0 or offset_m <= 0:
+            raise ArrayError("the normal must point towards the cameras, so its z is negative and the offset positive")
+        return Table(np.array(normal) / length, offset_m / length, _GIVEN_SIGMA_M)
+
+    def height_m(self, points_m: Floats) -> Floats:
+        """How high (...) above the table points (..., 3) are."""
+        return np.asarray(points_m @ self.normal + self.offset_m)
+
+    def under(self, solids: Solids) -> tuple[Floats, Floats]:
+        """How high (S,) [m] the lowest point of each solid is, and its derivatives (S, 3 + Q + sizes) by centre [m],
+        turns [rad] and half sizes [m]."""
+        own = (-self.normal @ solids.rotation)[:, None]
+        touched = solids.kind.touch(own, solids.half_m)
+        gradient = np.concatenate(
+            [
+                np.broadcast_to(self.normal, solids.centre_m.shape),
+                -(cross(touched, own) @ solids.turns)[:, 0],
+                -(touched * own @ (solids.kind.shares / solids.half_m[:, None]))[:, 0],
+            ],
+            axis=1,
+        )
+        return self.height_m(solids.centre_m) - dot(touched, own)[:, 0], gradient
+
+    def put_down(self, solids: Solids) -> Solids:
+        """The solids moved along the normal until they touch the table."""
+        height_m, _ = self.under(solids)
+        centre_m = solids.centre_m - height_m[:, None] * self.normal
+        return Solids(solids.kind, centre_m, solids.rotation, solids.half_m, solids.turns)

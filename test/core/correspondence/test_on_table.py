@@ -1,0 +1,69 @@
+"""What the table that the other objects stand on says of the ones that the outlines leave open."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from families import staged
+from rendering import Box, Cylinder, Scene, render
+from rendering.rigs import table_before
+from rigs import RIGS
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.errors import ParameterError
+from stereo_pick.core.pipeline import Pipeline, Steps
+from stereo_pick.core.poses import ObjectPoses
+from stereo_pick.core.refusal import count_reasons
+
+RIG = RIGS["thesis"]
+PLACED = table_before(RIG, 0.9, elevation_deg=45)
+NORMAL = RIG.left.R @ PLACED.rotation[:, 2]
+GIVEN = " ".join(f"{each:.9f}" for each in (*NORMAL, -NORMAL @ RIG.left.R @ PLACED.translation))
+
+
+def poses_of(scene: Scene, table: str = "found", seed: int = 0) -> ObjectPoses:
+    return Pipeline(RIG, Steps(method=Feature(table=table))).run(render(RIG, scene, seed=seed)).poses
+
+
+def off_m(xyz: Floats, positions_m: Floats) -> Floats:
+    return np.asarray(np.linalg.norm(xyz[:, None] - positions_m, axis=2).min(axis=1))
+
+
+def test_the_table_completes_what_the_light_shows_in_part() -> None:
+    """Mixed parts under a lamp at one side: some of their faces are as bright as the table."""
+    missed = {"found": 0, "none": 0}
+    for seed in range(4):
+        scene = staged("mixed_shapes", seed)
+        frame, truth = scene.taken()
+        centres = np.array([each.centre_m for each in truth.objects])
+        for table in missed:
+            poses = Pipeline(scene.rig, Steps(method=Feature(table=table))).run(frame).poses
+            missed[table] += len(centres) - len(poses)
+            assert table == "none" or off_m(poses.xyz, centres).max(initial=0) < 3e-3
+    assert missed["found"] == 0 < missed["none"]
+
+
+def test_a_part_held_above_the_table_stays_where_it_is() -> None:
+    parts = (
+        Cylinder(-0.08, -0.03, (0.04, 0.04, 0.05)),
+        Box(0.08, -0.02, (0.05, 0.036, 0.04), yaw_rad=0.4),
+        Cylinder(0.0, 0.06, (0.04, 0.04, 0.038), base_m=0.013),
+    )
+    scene = Scene(parts, PLACED, ambient=0.7)
+    poses = poses_of(scene)
+    assert len(poses) == 3 and (off_m(poses.xyz, scene.positions_m()) < 1e-3).all()
+
+
+def test_with_a_wrong_table_nothing_is_made_to_stand_on_it() -> None:
+    """Given 60 mm too high: every part reaches below it."""
+    *normal, offset = (float(word) for word in GIVEN.split())
+    scene = Scene((Cylinder(0.0, 0.0, (0.04, 0.04, 0.05)),), PLACED, ambient=0.7)
+    poses = poses_of(scene, " ".join(map(str, (*normal, offset - 0.06))))
+    assert len(poses) == 0 and count_reasons(poses.refused) == {"off_table": 1}
+
+
+@pytest.mark.parametrize("text", ["somewhere", "0 0 1", "0 0 1 0.9"])
+def test_a_table_that_cannot_be_is_refused_with_its_value(text: str) -> None:
+    with pytest.raises(ParameterError, match=text):
+        Feature(table=text)

@@ -1,0 +1,68 @@
+"""Solids on a known table, of which only the lit tops show clearly."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rendered_solids import centre_m, half_lit_scene, rectified
+from rendering import Box, Cylinder, HexPrism, Scene, Solid, hex_prism_size
+from rendering.rigs import table_before
+from rigs import RIGS
+from solid_outlines import contour_px
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes import Outline
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.standing import standing
+from stereo_pick.core.shapes.table import Table
+
+RIG = RIGS["thesis"]
+PLACED = table_before(RIG, 0.9, elevation_deg=45)
+NORMAL = RIG.left.R @ PLACED.rotation[:, 2]
+SIDES = 0.06  # brighter than the table, of white
+PARTS: list[Solid] = [
+    Cylinder(0.0, 0.0, (0.04, 0.04, 0.05)),
+    Box(0.01, 0.0, (0.05, 0.036, 0.04), yaw_rad=0.4),
+    HexPrism(0.0, 0.01, hex_prism_size(0.045, 0.04), yaw_rad=0.3),
+]
+
+
+def table_m(lifted_m: float = 0.0) -> Table:
+    return Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation) - lifted_m, 5e-4)
+
+
+def top_outlines(part: Solid) -> tuple[Outline, Outline]:
+    """The exact outlines of the part's top alone."""
+    corners = part.hull_m()
+    top = corners[corners[:, 2] > part.height_m - 1e-9]
+    seen: Floats = PLACED.apply(top) @ RIG.left.R.T
+    eyes = ((0.0, 0.0, 0.0), (RIG.baseline_m, 0.0, 0.0))
+    left, right = (contour_px(seen - eye, lens) for eye, lens in zip(eyes, (RIG.left, RIG.right)))
+    return Outline.from_contour(left), Outline.from_contour(right)
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: type(part).__name__)
+def test_from_its_top_a_part_is_found_down_to_the_table(part: Solid) -> None:
+    scene = half_lit_scene((part,), PLACED, SIDES)
+    found = standing(Images(rectified(RIG, scene)), top_outlines(part), table_m())
+    assert found is not None and found.believable
+    assert found.fit.kind == type(part).__name__.lower()
+    np.testing.assert_allclose(found.fit.centre_m, centre_m(RIG, scene, part), atol=6e-4)
+    np.testing.assert_allclose(sorted(found.fit.size_m), sorted(part.size_m), atol=2e-3)
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: type(part).__name__)
+def test_without_the_edges_of_its_sides_nothing_is_found(part: Solid) -> None:
+    scene = half_lit_scene((part,), PLACED, 0.0)
+    assert standing(Images(rectified(RIG, scene)), top_outlines(part), table_m()) is None
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: type(part).__name__)
+def test_on_a_wrong_table_nothing_is_found(part: Solid) -> None:
+    images = Images(rectified(RIG, half_lit_scene((part,), PLACED, SIDES)))
+    assert standing(images, top_outlines(part), table_m(lifted_m=-0.02)) is None
+
+
+def test_an_empty_view_supports_nothing() -> None:
+    images = Images(rectified(RIG, Scene((), PLACED)))
+    assert standing(images, top_outlines(PARTS[0]), table_m()) is None
