@@ -54,7 +54,7 @@ def _orientation_votes(normals: Floats, turned: Sequence[SolidFit]) -> Floats:
     """Those (C,) for each of several normals (C, 3)."""
     votes = np.zeros(len(normals))
     for fit in turned:
-        along = np.abs(normals @ np.array(_axes(fit)).T)
+        along = np.abs(normals @ np.array(standing_axes(fit)).T)
         off = np.sqrt(np.maximum(1 - along.max(axis=1) ** 2, 0))
         if fit.kind != BOX.name:
             off = np.minimum(off, along[:, 0])
