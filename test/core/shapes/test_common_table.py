@@ -28,7 +28,7 @@ def test_the_plane_is_what_the_solids_stand_on(tilt_deg: float, parts: list[Stan
     assert found is not None
     assert off_deg(found, truth) < 0.5
     assert off_m(found, fits) < 2e-3 and found.sigma_m < 1e-3
-    assert all(stands_on(found, fit) for fit in fits if fit)
+    assert sum(stands_on(found, fit) for fit in fits if fit) > len(fits) / 2
 
 
 def test_what_stands_on_something_else_does_not_lift_the_table() -> None:
