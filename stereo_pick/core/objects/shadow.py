@@ -27,6 +27,7 @@ _DARKEST = 0.9  # part of an object's pixels that may be lighter than the object
 _STEP = 0.25  # part of an object's contrast, of an edge of it
 _INSIDE_PX = 3.5  # from an edge to where the level inside is seen
 _LEVELS = (0.4, 0.5, 0.6, 0.7, 0.8, 0.88)  # parts of an object's contrast above which a shadow may end
+_OUTER = 0.4  # part of a shadow's rim, at least, that does not lie on the object
 _MUST_GAIN = 0.02
 _BESIDE_PX = 2
 _SHADED = 0.1  # sharpness of what is no edge of an object
@@ -58,7 +59,7 @@ class Shadows:
         """
         darkness = [self._darkness(blob) for blob in blobs]
         shaded = self._shaded(blobs, darkness, _LIGHTER)
-        doubtful = [i for i, blob in enumerate(blobs) if not blob.cut and float(shaded[i].mean()) > _MAY_BE_SHADED]
+        doubtful = [i for i, blob in enumerate(blobs) if shaded[i].mean() > _MAY_BE_SHADED]
         options = [
             (i, pieces) for i in doubtful for pieces in self._options(blobs[i], darkness[i], shaded[i], min_area_px)
         ]
@@ -120,13 +121,14 @@ class Shadows:
         at = np.round((blob.contour_px + 0.5) / view.reduction - 0.5 - corner).astype(np.int64)
         before = member
         for level in _LEVELS:
-            kept = _without(member, member & (excess <= level * darkness), at, shaded)
-            if (kept != before).any():
-                pieces = list(parts(view, kept, excess, corner, min_area_px))
-                if not pieces:
-                    return
-                yield pieces
+            light = member & (excess <= level * darkness)
+            kept = _without(member, light, at, shaded, view.reduction)
+            if (kept == before).all():
+                continue
             before = kept
+            pieces = list(parts(view, kept, excess, corner, min_area_px))
+            if pieces:
+                yield pieces
 
     def _window(self, blob: Blob) -> tuple[tuple[int, int], Image, NDArray[np.float32]]:
         """The upper left corner (column, row) in the reduced view, the mask and the excess of a blob."""
@@ -140,12 +142,14 @@ class Shadows:
         return (x, y), member, excess
 
 
-def _without(member: Image, light: Image, outline_px: Ints, shaded: Bools) -> Image:
+def _without(member: Image, light: Image, outline_px: Ints, shaded: Bools, reduction: int) -> Image:
     """A mask less those light places in it along which most of its outline (N, 2), (column, row), is shaded."""
     wide = cv2.morphologyEx(light, cv2.MORPH_OPEN, _SQUARE)  # not the blurred rim of the object itself
     count, label = cv2.connectedComponents(wide, connectivity=4)
     near = _largest_around(np.asarray(label, np.int32), outline_px)
-    shadow = np.bincount(near[shaded], minlength=count) > np.bincount(near[~shaded], minlength=count)
+    soft, sharp = np.bincount(near[shaded], minlength=count), np.bincount(near[~shaded], minlength=count)
+    rim = label * (wide - cv2.erode(wide, _SQUARE))
+    shadow = (soft > sharp) & (soft + sharp > _OUTER * reduction * np.bincount(rim.reshape(-1), minlength=count))
     shadow[0] = False
     cast = np.asarray(cv2.dilate(shadow[label].astype(np.uint8), _SQUARE))
     return np.where((cast > 0) & (light > 0), np.uint8(0), member)
