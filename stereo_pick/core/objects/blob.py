@@ -31,7 +31,7 @@ class Blob:
     which the object differs from its background; cut: whether the image border cuts it off;
     fault: why it must not be matched, a reason of `refusal.REASONS`, or empty; sharpness: (N,), how much of the
     change of light at each contour point is a step (see `edge_model`), CUT on a cut, or (0,) where that was not
-    measured.
+    measured; peak: grey levels by which a tenth of the object differs.
     """
 
     contour_px: Floats
@@ -39,6 +39,7 @@ class Blob:
     cut: bool = False
     fault: str = ""
     sharpness: Floats = field(default_factory=lambda: np.zeros(0))
+    peak: float = 0.0
 
     def __post_init__(self) -> None:
         contour = floats("contour_px", self.contour_px, None, 2)
@@ -105,6 +106,14 @@ class Blob:
             return 0.0
         depth_px = float(defects[..., 3].max()) / 256 / 16
         return depth_px / max(self.rectangle[1], 1.0)
+
+    def within_hull(self) -> Floats:
+        """How far (N,) [px] each contour point lies inside the outline's convex hull."""
+        hull = cv2.convexHull(self.contour_px.astype(np.float32))[:, 0].astype(np.float64)
+        ahead = np.roll(hull, -1, axis=0) - hull
+        inward = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / np.linalg.norm(ahead, axis=1, keepdims=True)
+        inward *= np.sign(_signed_area(hull))
+        return np.asarray((self.contour_px @ inward.T - (hull * inward).sum(axis=1)).min(axis=1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -142,8 +142,8 @@ class Detector(Configurable):
         """The objects with refined outlines, without shadows, and with their faults."""
         strongest = max((blob.contrast for blob in blobs), default=0.0)
         least = max(float(self.min_contrast), self.min_relative_contrast * strongest)
-        faint = [replace(blob, fault="faint") for blob in blobs if blob.contrast < least]
-        clear = self._refined([blob for blob in blobs if blob.contrast >= least], contrast)
+        faint = [replace(blob, fault="faint") for blob in blobs if blob.peak < least]
+        clear = self._refined([blob for blob in blobs if blob.peak >= least], contrast)
         if polarity == "dark":
             clear = self._without_shadows(clear, contrast)
         soft = self.subpixel and is_out_of_focus([blob for blob in clear if not blob.cut], contrast.view.image)

@@ -68,6 +68,14 @@ def test_a_notch_counts_as_a_part_of_the_width(part: float) -> None:
     assert Blob(notched, 1.0).concavity == pytest.approx(part, abs=0.02)
 
 
+@given(st.floats(0.1, 0.9), st.booleans())
+def test_points_of_a_notch_lie_as_deep_within_the_hull_as_it_is_deep(part: float, backwards: bool) -> None:
+    notched = np.array([(0, 0), (45, 0), (50, 40 * part), (55, 0), (100, 0), (100, 40), (0, 40)])
+    depth = np.array([0, 0, 40 * min(part, 1 - part), 0, 0, 0, 0])
+    order = slice(None, None, -1 if backwards else 1)
+    np.testing.assert_allclose(Blob(notched[order], 1.0).within_hull(), depth[order], atol=1e-4)
+
+
 @pytest.mark.parametrize(
     "contour", [np.zeros((2, 2)), np.zeros((5, 3)), np.full((4, 2), np.nan)], ids=["2", "3d", "nan"]
 )
