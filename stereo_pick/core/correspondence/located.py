@@ -14,7 +14,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.one_face import shows_one_face
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.objects.blob import SHARP
+from stereo_pick.core.objects.blob import CUT, SHARP
 from stereo_pick.core.objects.splitting import may_be_two
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solids
@@ -35,6 +35,7 @@ _SHARP_LIMB = 0.75
 _DISAGREE = 2.5  # sigmas
 _BODY = 0.3  # thickness by length of what is no lit face
 _SURELY_SHARP = 0.5
+_IN_A_NOTCH_PX = 1.0
 _FLAT = 0.08  # thickness by length of what may be a print
 TOP = 0.15  # ... of what may be the lit top of a body, as long as no table is known
 
@@ -79,7 +80,7 @@ def _locate(
         complete = max(fading, *(blob.cut_share for blob in blobs)) <= _COMPLETE
         return _by_outlines(images.rig, blobs, fit) if complete else by_solid(images.rig, fit)
     best = images.best(readings)
-    if best is not None:
+    if best is not None and images.shows_beyond(best.fit.solid, [(b.contour_px, b.sharpness > CUT) for b in blobs]):
         return by_solid(images.rig, best.fit)
     if _is_notched(blobs, max_concavity) or any(
         blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs
@@ -103,15 +104,26 @@ def _is_notched(blobs: BlobPair, max_concavity: float) -> bool:
 
 
 def _readings(blobs: BlobPair, outlines: Pair) -> list[Pair]:
-    """The outlines trusted as far as usual, and where their edges are surely sharp only; what of it can be fitted."""
-    strictly = _outlines(blobs, _SURELY_SHARP)
-    same = all(np.array_equal(one.weight, other.weight) for one, other in zip(outlines, strictly))
-    return [each for each in ([outlines] if same else [outlines, strictly]) if can_be_fitted(each)]
+    """The outlines trusted as far as usual, where their edges are surely sharp only, and where they are in no notch:
+    what is lit of a body may have one, its silhouette has none. What of it can be fitted, each once."""
+    several = [outlines, _outlines(blobs, _SURELY_SHARP), _outlines(blobs, SHARP, _IN_A_NOTCH_PX)]
+    different: list[Pair] = []
+    for pair in several:
+        if not any(_is_the_same(pair, other) for other in different) and can_be_fitted(pair):
+            different.append(pair)
+    return different
 
 
-def _outlines(blobs: BlobPair, sharp: float) -> Pair:
-    """Those of both views; trusted where they are at least so sharp."""
-    left, right = (Outline.from_contour(blob.contour_px, blob.sharpness >= sharp) for blob in blobs)
+def _is_the_same(one: Pair, other: Pair) -> bool:
+    return all(np.array_equal(a.weight, b.weight) for a, b in zip(one, other))
+
+
+def _outlines(blobs: BlobPair, sharp: float, depth_px: float = np.inf) -> Pair:
+    """Those of both views; trusted where they are at least so sharp, and less deep within their hulls."""
+    left, right = (
+        Outline.from_contour(blob.contour_px, (blob.sharpness >= sharp) & (blob.within_hull() < depth_px))
+        for blob in blobs
+    )
     return left, right
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.beyond import Contour, shown_beyond
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.evidence import centre_covariance, determined
 from stereo_pick.core.shapes.fitting import NOISE_PX, Nearest, Pair, nearest_of_kind
@@ -25,6 +26,7 @@ _LOOKED_FOR = (SPHERE, CYLINDER, BOX)
 _SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
 _PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a median
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
+_SHOWN_BEYOND = 0.5  # part of what a solid adds to the outlines that must lie on edges
 _RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
 _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
 
@@ -99,6 +101,10 @@ class Images:
         found = [each for pair in readings for solid in self._near(pair) for each in self._with_longer(solid)]
         believable = [each for each in found if each.believable]
         return max(believable, key=lambda each: each.score, default=None)
+
+    def shows_beyond(self, solid: Solids, contours: Sequence[Contour]) -> bool:
+        """Whether there are edges where the solid's silhouette lies outside the object's contours, one a view."""
+        return shown_beyond(solid, self.eyes_m, self.maps, contours) > _SHOWN_BEYOND
 
     def _near(self, pair: Pair) -> Iterator[Solids]:
         for kind in _LOOKED_FOR:
