@@ -1,49 +1,152 @@
-"""Touching parts: taken apart in each view, and counted where the parts are found in both."""
+"""Touching parts: taken apart in each view, and counted where the parts are found in both.
+
+Each view alone is cut where its parts are convex. Where not all parts of that are found, both views are cut in two
+together, or one of them as the other shows two objects: what belongs together has the same rows.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 
-from stereo_pick.core.correspondence.located import BlobPair, Located
+import numpy as np
+
+from stereo_pick.core.correspondence.cut_together import Way, ways_to_cut
+from stereo_pick.core.correspondence.located import TOP, BlobPair, Located, is_flat
+from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.splitting import split
+from stereo_pick.core.shapes import SolidFit
 
 Row = tuple[BlobPair, Located]
 
-_FLAT = 0.15  # thickness by length
+_ROUNDS = 3  # a part may still be several
+_TRIED = 4  # ways to cut the same objects
 
 
-def taken_apart(
-    blobs: Blobs, dealt_with: Sequence[Blob], located: Callable[[list[Blob], list[Blob]], list[Row]]
-) -> tuple[Blobs, list[Row]]:
+@dataclass(frozen=True)
+class Matching:
+    """How objects find their partners: similarity; paired: those of the left and of the right view that belong
+    together; located: where each pair is."""
+
+    similarity: Similarity
+    paired: Callable[[Sequence[Blob], Sequence[Blob]], list[BlobPair]]
+    located: Callable[[list[BlobPair]], list[Row]]
+
+    def bodies(self, pairs: list[BlobPair]) -> list[Row]:
+        """Where each pair of parts is."""
+        return [_unless_a_face(row) for row in self.located(pairs)]
+
+
+def taken_apart(blobs: Blobs, dealt_with: Collection[Blob], matching: Matching) -> tuple[Blobs, list[Row]]:
     """The objects with touching ones taken apart, as far as at least one part is found, and those parts.
 
-    dealt_with: the objects that need no taking apart; located: pairs what it is given of the left and of the right
-    view, and says where each pair is.
+    dealt_with: the objects that need no taking apart.
     """
-    parts = {
-        id(blob): _parts(blob, blobs.max_concavity)
-        for blob in (*blobs.left, *blobs.right)
-        if not among(blob, dealt_with)
+    rows: dict[BlobPair, Located] = {}
+    for _ in range(_ROUNDS):
+        before = {*blobs.left, *blobs.right}
+        blobs, more = _once(blobs, dealt_with, matching)
+        rows |= more
+        if not more:
+            break
+        dealt_with = before | {blob for each, where in rows.items() if not where.reason for blob in each}
+    now = {*blobs.left, *blobs.right}
+    return blobs, [(each, where) for each, where in rows.items() if now.issuperset(each)]
+
+
+def _once(blobs: Blobs, dealt_with: Collection[Blob], matching: Matching) -> tuple[Blobs, dict[BlobPair, Located]]:
+    sides = [[blob for blob in side if blob not in dealt_with] for side in (blobs.left, blobs.right)]
+    parts = {blob: _parts(blob, blobs.max_concavity) for side in sides for blob in side}
+    rows = _each_alone(sides, parts, matching)
+    unclear = _unclear(parts, rows)
+    doubtful = {part for blob in unclear for part in parts[blob]}
+    rows = [_unless_shapeless(row) if doubtful.intersection(row[0]) else row for row in rows]
+    cut = _together([[blob for blob in side if blob in unclear] for side in sides], matching)
+    parts |= {whole: its for way, _ in cut for whole, its in way.wholes}
+    rows = [row for row in rows if all(any(blob in its for its in parts.values()) for blob in row[0])]
+    return _opened(blobs, parts, rows + [row for _, both in cut for row in both])
+
+
+def _opened(blobs: Blobs, parts: dict[Blob, list[Blob]], rows: list[Row]) -> tuple[Blobs, dict[BlobPair, Located]]:
+    """The objects, those of which parts are found in parts, and what became of these."""
+    rows, repeated = _different(rows)
+    found = {blob for each, where in rows if not where.reason for blob in each}
+    opened = {
+        whole: [part for part in its if part not in repeated]
+        for whole, its in parts.items()
+        if any(part in found for part in its)
     }
-    if all(len(each) <= 1 for each in parts.values()):
-        return blobs, []
-    whole = {id(part): blob for blob in (*blobs.left, *blobs.right) for part in parts.get(id(blob), [])}
-    left, right = ([part for blob in side for part in parts.get(id(blob), [])] for side in (blobs.left, blobs.right))
-    rows = [_unless_a_face(row) for row in located(left, right)]
-    found = [whole[id(blob)] for each, where in rows if not where.reason for blob in each]
-    rows = [row for row in rows if any(among(whole[id(blob)], found) for blob in row[0])]
-    opened = [
-        tuple(part for blob in side for part in (parts[id(blob)] if among(blob, found) else [blob]))
-        for side in (blobs.left, blobs.right)
-    ]
-    return replace(blobs, left=opened[0], right=opened[1]), rows
+    kept = {part for its in opened.values() for part in its}
+    left, right = (
+        tuple(part for blob in side for part in opened.get(blob, [blob])) for side in (blobs.left, blobs.right)
+    )
+    return replace(blobs, left=left, right=right), {each: where for each, where in rows if kept.intersection(each)}
 
 
-def among(blob: Blob, others: Iterable[Blob]) -> bool:
-    """Whether it is one of these itself."""
-    return any(blob is other for other in others)
+def _each_alone(sides: Sequence[Sequence[Blob]], parts: dict[Blob, list[Blob]], matching: Matching) -> list[Row]:
+    """The parts that fit each other, where any object is of several."""
+    if all(len(its) <= 1 for its in parts.values()):
+        return []
+    left, right = ([part for blob in side for part in parts[blob]] for side in sides)
+    return matching.bodies(matching.paired(left, right))
+
+
+def _unclear(parts: dict[Blob, list[Blob]], rows: list[Row]) -> set[Blob]:
+    """The objects without fault of which not all parts are found, and those that share a part with one of them."""
+    whole = {part: blob for blob, its in parts.items() for part in its}
+    found = [each for each, where in rows if not where.reason]
+    known = {blob for each in found for blob in each}
+    unclear = {blob for blob, its in parts.items() if its and not all(part in known for part in its)}
+    grows = True
+    while grows:
+        more = {whole[blob] for each in found for blob in each if any(whole[other] in unclear for other in each)}
+        grows = not more <= unclear
+        unclear |= more
+    return unclear
+
+
+def _together(sides: Sequence[Sequence[Blob]], matching: Matching) -> list[tuple[Way, list[Row]]]:
+    """The likeliest ways to cut these objects by which both parts are found, with the parts."""
+    tries: Counter[frozenset[Blob]] = Counter()
+    tried = []
+    for way in ways_to_cut(sides[0], sides[1], matching.similarity):
+        tries[way.cut] += 1
+        if tries[way.cut] <= _TRIED:
+            tried.append(way)
+    rows = [_unless_shapeless(row) for row in matching.bodies([pair for way in tried for pair in way.pairs])]
+    ranked = sorted(zip(tried, zip(rows[::2], rows[1::2])), key=lambda each: sum(bool(w.reason) for _, w in each[1]))
+    taken: set[Blob] = set()
+    found = []
+    for way, both in ranked:
+        if taken.isdisjoint(way.cut) and not all(where.reason for _, where in both):
+            found.append((way, list(both)))
+            taken |= way.cut
+    return found
+
+
+def _different(rows: Sequence[Row]) -> tuple[list[Row], set[Blob]]:
+    """The rows without those that show the body of a surer one, and the objects of the latter.
+
+    A part of which one side is hardly lit has a notch, too, and either half may tell the whole of it.
+    """
+    kept: list[Row] = []
+    repeated: set[Blob] = set()
+    for row in sorted(rows, key=lambda row: row[1].sigma_px):
+        if any(_same_body(row[1].fit, other.fit) for _, other in kept):
+            repeated.update(row[0])
+        else:
+            kept.append(row)
+    return kept, repeated
+
+
+def _same_body(one: SolidFit | None, other: SolidFit | None) -> bool:
+    """Whether the centre of one solid lies within the other."""
+    if one is None or other is None:
+        return False
+    apart_m = one.centre_m - other.centre_m
+    return any(bool((np.abs(apart_m @ each.rotation) < each.size_m / 2).all()) for each in (one, other))
 
 
 def _parts(blob: Blob, max_concavity: float) -> list[Blob]:
@@ -54,7 +157,14 @@ def _parts(blob: Blob, max_concavity: float) -> list[Blob]:
 
 def _unless_a_face(row: Row) -> Row:
     """One face of a half-lit part would pass for a flat part: what was cut out must be a body."""
-    (left, right), where = row
-    if where.fit is None or where.fit.size_m.min() > _FLAT * where.fit.size_m.max():
-        return row
-    return row[0], Located(left.centroid_px, right.centroid_px, 1.0, None, "merged")
+    fit = row[1].fit
+    return _merged(row[0]) if fit is not None and is_flat(fit, TOP) else row
+
+
+def _unless_shapeless(row: Row) -> Row:
+    """A face would pass for a part of unknown shape as well, unless all other parts are found beside it."""
+    return row if row[1].reason or row[1].fit is not None else _merged(row[0])
+
+
+def _merged(pair: BlobPair) -> Row:
+    return pair, Located(pair[0].centroid_px, pair[1].centroid_px, 1.0, None, "merged")

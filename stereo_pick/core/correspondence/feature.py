@@ -10,7 +10,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
-from stereo_pick.core.correspondence.apart import Row, among, taken_apart
+from stereo_pick.core.correspondence.apart import Matching, Row, taken_apart
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
@@ -119,11 +119,12 @@ class Feature(Method):
     ) -> Correspondences:
         kept, lost = _told_apart(self._located(images, matched, blobs.max_concavity))
         unclear = [blob for each in doubtful for blob in each]
-
-        def located(left: list[Blob], right: list[Blob]) -> list[Row]:
-            return self._located(images, self._paired(images.rig, left, right)[0], blobs.max_concavity)
-
-        blobs, rows = taken_apart(blobs, _blobs_of(kept) + unclear, located)
+        matching = Matching(
+            self.similarity(images.rig),
+            lambda left, right: self._paired(images.rig, left, right)[0],
+            lambda pairs: self._located(images, pairs, blobs.max_concavity),
+        )
+        blobs, rows = taken_apart(blobs, _blobs_of(kept) + unclear, matching)
         found, lost_parts = _told_apart(rows)
         kept, lost = kept + found, lost + lost_parts
         kept, off, table = self._on_table(images, blobs, kept, unclear)
@@ -201,15 +202,15 @@ def _blobs_of(rows: Sequence[Row]) -> list[Blob]:
 
 
 def _without(blobs: Sequence[Blob], others: Sequence[Blob]) -> list[Blob]:
-    return [blob for blob in _located_blobs(blobs) if not among(blob, others)]
+    return [blob for blob in _located_blobs(blobs) if blob not in others]
 
 
 def _any_of(pair: BlobPair, others: Sequence[Blob]) -> bool:
-    return any(among(blob, others) for blob in pair)
+    return any(blob in others for blob in pair)
 
 
 def _all_of(pair: BlobPair, blobs: Blobs) -> bool:
-    return all(among(blob, (*blobs.left, *blobs.right)) for blob in pair)
+    return all(blob in (*blobs.left, *blobs.right) for blob in pair)
 
 
 def _have_edges(blobs: Blobs) -> bool:

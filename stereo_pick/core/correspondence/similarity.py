@@ -9,6 +9,10 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.objects import Blob
+from stereo_pick.core.objects.blob import CUT
+
+_BEYOND_PX = 1.0  # by which the outline reaches beyond a cut where its end is the object's
+_ROUGHLY = 0.5  # of what the area of a cut object tells
 
 
 @dataclass(frozen=True)
@@ -36,13 +40,27 @@ class Similarity:
         row_gaps = np.abs(one[..., :3] - other[..., :3]) / tolerance[..., None]
         area_gap = np.abs(np.log(one[..., 4] / other[..., 4])) / max(np.log(self.max_area_ratio), 1e-9)
         gaps = np.concatenate([row_gaps, area_gap[..., None]], axis=-1)
+        known = np.minimum(one[..., 5:], other[..., 5:])
         disparity = one[..., 3] - other[..., 3]
         least, most = self.disparities_px
-        possible = (gaps <= 1).all(axis=-1) & (disparity >= least) & (disparity <= most)
-        return np.where(possible, (gaps**2).mean(axis=-1), np.inf)
+        possible = (gaps * known <= 1).all(axis=-1) & (disparity >= least) & (disparity <= most)
+        possible &= known[..., :2].any(axis=-1)
+        cost = (known * gaps**2).sum(axis=-1) / np.maximum(known.sum(axis=-1), 1)
+        return np.where(possible, cost, np.inf)
 
 
 def _features(blobs: Sequence[Blob]) -> Floats:
-    """Top, bottom and centroid row, centroid column, area: (N, 5) [px, px²]."""
-    rows = [(*blob.rows_px, blob.centroid_px[1], blob.centroid_px[0], blob.area_px2) for blob in blobs]
-    return np.array(rows, np.float64).reshape(-1, 5)
+    """Top, bottom and centroid row, centroid column, area [px, px²], and how far the rows and the area are the
+    object's own, 1 wholly, 0 not at all: (N, 9)."""
+    rows = [(*blob.rows_px, blob.centroid_px[1], blob.centroid_px[0], blob.area_px2, *_own(blob)) for blob in blobs]
+    return np.array(rows, np.float64).reshape(-1, 9)
+
+
+def _own(blob: Blob) -> tuple[float, float, float, float]:
+    """How far top row, bottom row, centroid row and area are the object's own, and not those of a cut."""
+    cut = blob.sharpness <= CUT
+    if not cut.any():
+        return 1.0, 1.0, 1.0, 1.0
+    rows = blob.contour_px[:, 1]
+    top, bottom = rows[~cut].min(initial=np.inf), rows[~cut].max(initial=-np.inf)
+    return float(top <= rows[cut].min() - _BEYOND_PX), float(bottom >= rows[cut].max() + _BEYOND_PX), 0.0, _ROUGHLY

@@ -6,7 +6,7 @@ Only geometry cuts: along shading or a raised threshold a single part would fall
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -24,6 +24,10 @@ _CLEARLY_GAINS = 0.75  # ... and of a shallow notch, in a part of what is known 
 _NEARLY_ALL = 0.65
 _NOTICED = 0.012  # part of the area, beyond the noise of an outline
 _MAX_PARTS = 6
+_WORTHWHILE = 0.25  # ... and where the other view has a say
+_MOST = 16  # divisions of one blob
+_CLEARLY_ANOTHER = 0.04  # part of the outline
+_CUT_COST = 0.02
 
 
 def split(blob: Blob, max_concavity: float) -> list[Blob]:
@@ -47,6 +51,43 @@ def split(blob: Blob, max_concavity: float) -> list[Blob]:
     return [blob] if parts else whole
 
 
+@dataclass(frozen=True, eq=False)
+class Division:
+    """A blob cut in two; unexplained: the part of what its outline lacks of being convex that the cut leaves."""
+
+    parts: tuple[Blob, Blob]
+    unexplained: float
+
+
+def divisions(blob: Blob) -> list[Division]:
+    """The cuts of a blob in two that explain most, best first, each clearly another one than those before it."""
+    missing = _missing_area(_drawn(blob))
+    if missing < _NOTICED * blob.area_px2 or not len(blob.sharpness):
+        return []
+    count = len(blob.contour_px)
+    found = [
+        ((left + _CUT_COST * _cut_length(blob, begin, end) ** 2) / missing, begin, end)
+        for begin, end, left in _halves(blob, (1 - _WORTHWHILE) * missing)
+    ]
+    kept: list[tuple[float, int, int]] = []
+    for each in sorted(found):
+        if each[0] > 1 - _WORTHWHILE or len(kept) == _MOST:
+            break
+        if all(_differ(each[1:], known[1:], count) > _CLEARLY_ANOTHER * count for known in kept):
+            kept.append(each)
+    return [Division(_parts(blob, begin, end), left) for left, begin, end in kept]
+
+
+def _differ(one: tuple[int, int], other: tuple[int, int], count: int) -> int:
+    """How many points of the outline lie between the ends of two cuts, at the end where it is more."""
+
+    def between(i: int, j: int) -> int:
+        return min((i - j) % count, (j - i) % count)
+
+    straight = max(between(one[0], other[0]), between(one[1], other[1]))
+    return min(straight, max(between(one[0], other[1]), between(one[1], other[0])))
+
+
 def may_be_two(blob: Blob) -> bool:
     """Whether one cut would explain nearly all that the outline lacks of being convex, as between two parts of which
     one stands behind the other; the open end of a tube is in no way explained by a cut."""
@@ -66,11 +107,7 @@ def _best_cut(blob: Blob, must_gain: float) -> tuple[Blob, Blob] | None:
             best, least = (begin, end), cost
     if best is None:
         return None
-    count = len(blob.contour_px)
-    return _part(blob, _arc(*best, count)), _part(blob, _arc(*best[::-1], count))
-
-
-_CUT_COST = 0.02
+    return _parts(blob, *best)
 
 
 def _halves(blob: Blob, less_px2: float) -> Iterator[tuple[int, int, float]]:
@@ -103,6 +140,11 @@ def _cuts(blob: Blob) -> Iterator[tuple[int, int]]:
         for end in [*notches[k + 1 :], *(int(i) for i in around)]:
             if min((begin - end) % count, (end - begin) % count) >= 3:
                 yield begin, end
+
+
+def _parts(blob: Blob, begin: int, end: int) -> tuple[Blob, Blob]:
+    count = len(blob.contour_px)
+    return _part(blob, _arc(begin, end, count)), _part(blob, _arc(end, begin, count))
 
 
 def _part(blob: Blob, arc: Ints) -> Blob:

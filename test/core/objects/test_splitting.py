@@ -11,7 +11,7 @@ import pytest
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import CUT
-from stereo_pick.core.objects.splitting import split
+from stereo_pick.core.objects.splitting import divisions, split
 
 MAX_CONCAVITY = 0.15
 FINE = 8
@@ -106,6 +106,50 @@ def test_what_no_cut_explains_stays_whole(shape: Floats) -> None:
     whole = union([shape])
     assert whole.concavity > MAX_CONCAVITY
     assert split(whole, MAX_CONCAVITY) == [whole]
+
+
+OVERLAPS = {
+    **{name: shapes for name, shapes in UNIONS.items() if len(shapes) == 2},
+    "a disc before a corner": [rectangle(100, 120, 60, 50, 15), disc(132, 136, 18)],
+    "a disc before a long side": [rectangle(110, 110, 80, 40), disc(112, 136, 18)],
+}
+
+
+@pytest.mark.parametrize("name", OVERLAPS)
+def test_one_of_the_divisions_is_the_true_one(name: str) -> None:
+    """Each part has the whole of its own outline, up to what the other part hides."""
+    shapes = OVERLAPS[name]
+    whole = union(shapes)
+    assert any(
+        all(own_share(part, shape) > 0.9 for part, shape in zip(order, shapes))
+        for each in divisions(whole)
+        for order in (each.parts, each.parts[::-1])
+    )
+
+
+def own_share(part: Blob, shape: Floats) -> float:
+    """The share of a part's points off the cut that lie on a shape's outline."""
+    line = shape.astype(np.float32)
+    off_px = [
+        abs(cv2.pointPolygonTest(line, (float(x), float(y)), True)) for x, y in part.contour_px[part.sharpness > 0]
+    ]
+    return float((np.array(off_px) < 0.5).mean())
+
+
+@pytest.mark.parametrize("name", OVERLAPS)
+def test_divisions_are_of_the_whole_and_differ(name: str) -> None:
+    whole = union(OVERLAPS[name])
+    found = divisions(whole)
+    assert [each.unexplained for each in found] == sorted(each.unexplained for each in found)
+    for each in found:
+        assert sum(part.area_px2 for part in each.parts) == pytest.approx(whole.area_px2, rel=1e-6)
+    ends = [{tuple(part.contour_px[i]) for part in each.parts[:1] for i in (0, -1)} for each in found]
+    assert all(one != other for k, one in enumerate(ends) for other in ends[:k])
+
+
+@pytest.mark.parametrize("shape", [disc(120, 120, 25), rectangle(120, 120, 70, 30, 20)], ids=["disc", "rectangle"])
+def test_a_convex_part_has_no_division(shape: Floats) -> None:
+    assert divisions(union([shape])) == []
 
 
 def test_without_sharpness_nothing_can_be_cut() -> None:
