@@ -8,6 +8,7 @@ half sizes, and its derivative is the point that touches.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from functools import cached_property
 
 import numpy as np
 
@@ -40,7 +41,7 @@ class Convex(ABC):
     turns: tuple[int, ...]  # the axes about which a turn changes it
     axes: tuple[int, int, int]  # which half size belongs to which axis
 
-    @property
+    @cached_property
     def shares(self) -> Floats:
         """Which half size each axis has: (3, sizes), ones and zeros."""
         return np.eye(self.sizes)[list(self.axes)]

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats, Ints
+from stereo_pick.core.shapes.kinds import dot
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.residuals import Tangents, residuals
 from stereo_pick.core.shapes.sight import Sight
@@ -112,7 +113,7 @@ def _moved(solids: Solids, step: Floats, least_half_m: Floats) -> Solids:
 
 def _rotations(vectors: Floats) -> Floats:
     """Rotation vectors (S, 3) [rad] to rotations (S, 3, 3): Rodrigues."""
-    angle = np.linalg.norm(vectors, axis=1)[:, None, None]
+    angle = np.sqrt(dot(vectors, vectors))[:, None, None]
     cross = (vectors / (angle[:, 0] + 1e-15) @ _CROSS).reshape(-1, 3, 3)
     return np.asarray(_SAME + np.sin(angle) * cross + (1 - np.cos(angle)) * (cross @ cross))
 
