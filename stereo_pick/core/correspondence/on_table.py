@@ -16,6 +16,7 @@ from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes import Outline, SolidFit
 from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables
+from stereo_pick.core.shapes.fitting import Pair
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.standing import CHANCE, standing
 from stereo_pick.core.shapes.table import Table
@@ -37,7 +38,7 @@ class SecondLook:
         """The table that one of the objects found supposes, and on which another one is found, too."""
         fits = [where.fit for _, where in kept]
         for table in supposed_tables(fits)[:_TRIED_TABLES]:
-            others = [found.fit for blobs in self.pairs[:_TRIED_PAIRS] if (found := self._on(table, blobs))]
+            others = [found.fit for found in self._on(table, self.pairs[:_TRIED_PAIRS]) if found]
             agreed = common_table([*fits, *others]) if others else None
             if agreed is not None:
                 return agreed
@@ -52,38 +53,52 @@ class SecondLook:
         sure = [_is_sure(where, table) for _, where in kept]
         found = [row for row, stays in zip(kept, sure) if stays]
         refused: list[Row] = []
-        for blobs, where in [row for row, stays in zip(kept, sure) if not stays]:
-            again = self._weighed(table, blobs, where)
+        unsure = [row for row, stays in zip(kept, sure) if not stays]
+        standing_there = self._on(table, [*(blobs for blobs, _ in unsure), *self.pairs])
+        without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(unsure, standing_there)])
+        for (blobs, where), on_it, in_the_air in zip(unsure, standing_there, without):
+            again = self._weighed(table, blobs, where, on_it, in_the_air)
             if again.fit is not None and not _is_apart(again.fit, found):
                 again = replace(where, fit=None, reason="merged")
             (refused if again.reason else found).append((blobs, again))
-        for blobs in self.pairs:
-            standing_there = self._on(table, blobs)
-            if standing_there is not None and _is_apart(standing_there.fit, found):
-                found.append((blobs, by_solid(self.images.rig, standing_there.fit)))
+        for blobs, on_it in zip(self.pairs, standing_there[len(unsure) :]):
+            if on_it is not None and _is_apart(on_it.fit, found):
+                found.append((blobs, by_solid(self.images.rig, on_it.fit)))
         return found, refused
 
-    def _weighed(self, table: Table, blobs: BlobPair, where: Located) -> Located:
+    def _weighed(
+        self, table: Table, blobs: BlobPair, where: Located, on_it: Supported | None, in_the_air: Supported | None
+    ) -> Located:
         """What was found without the table against what would stand on it.
 
         A part of a solid is supported where it shares the whole one's edges: what stands on the table and has as much
         support is the whole. What hangs in the air after that must have a body of its own.
         """
-        on_it, fit = self._on(table, blobs), where.fit
+        fit = where.fit
         if fit is None:
             if on_it is not None:
                 return by_solid(self.images.rig, on_it.fit)
             return where if reaches_down(*blobs, self.images.rig, table) else replace(where, reason="half_lit")
-        if on_it is not None and on_it.support >= self.images.locked(fit.solid.turning_freely()).support - CHANCE:
+        if on_it is not None and in_the_air is not None and on_it.support >= in_the_air.support - CHANCE:
             return by_solid(self.images.rig, on_it.fit)
         if stands_on(table, fit) or (hangs_above(table, fit) and not is_flat(fit, TOP)):
             return where
         return replace(where, fit=None, reason="off_table")
 
-    def _on(self, table: Table, blobs: BlobPair) -> Supported | None:
-        one, other = (Outline.from_contour(b.contour_px, (b.sharpness >= SHARP) & b.on_hull) for b in blobs)
-        found = standing(self.images, (one, other), table)
-        return None if found is None or (is_flat(found.fit) and not self.flat_parts) else found
+    def _in_the_air(self, fits: Sequence[SolidFit | None]) -> list[Supported | None]:
+        """The support of solids that need not stand on the table."""
+        found = iter(self.images.all_locked([fit.solid.turning_freely() for fit in fits if fit], None))
+        return [next(found) if fit else None for fit in fits]
+
+    def _on(self, table: Table, pairs: Sequence[BlobPair]) -> list[Supported | None]:
+        found = standing(self.images, [_outlines(blobs) for blobs in pairs], table)
+        return [None if each is None or (is_flat(each.fit) and not self.flat_parts) else each for each in found]
+
+
+def _outlines(blobs: BlobPair) -> Pair:
+    """Trusted where they are sharp and no notch is."""
+    left, right = (Outline.from_contour(b.contour_px, (b.sharpness >= SHARP) & b.on_hull) for b in blobs)
+    return left, right
 
 
 def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple[float, float]) -> list[BlobPair]:

@@ -25,11 +25,12 @@ _BLUR_PX = 0.85
 _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
 _ON_EDGE_PX = 0.6
+_LEAST_HELD = 8  # points on edges, in each view, without which a solid stays where it is
 
 
 @dataclass(frozen=True, eq=False)
 class Locked:
-    """fit: the solid (S = 1) and its residuals on the edges; shown: (2,), the share of its silhouette in each view
+    """fit: solids (S) and their residuals on the edges; shown: (S, 2), the share of each one's silhouette in each view
     that lies on an edge."""
 
     fit: Fitted
@@ -37,35 +38,41 @@ class Locked:
 
 
 def lock(
-    solid: Solids, images: Sequence[Image], noises: Sequence[float], rig: StereoRig, table: Table | None = None
+    solids: Solids, images: Sequence[Image], noises: Sequence[float], rig: StereoRig, table: Table | None = None
 ) -> Locked:
-    """Refine one solid on the edges of the two rectified views that are near its silhouette, of either sign.
+    """Refine solids, each by itself, on the edges of the two rectified views near its silhouette, of either sign.
 
     images: (H, W) each; noises: one sigma of their pixels [grey levels].
     """
     eyes_m = np.array([[0.0, 0.0, 0.0], [rig.baseline_m, 0.0, 0.0]])
-    cameras = (rig.left, rig.right)
     for round_ in range(_ROUNDS + 1):
-        polygons = silhouettes(solid, eyes_m)[0]
+        corners = silhouettes(solids, eyes_m)
+        points, normals = (
+            each.reshape(*corners.shape[:2], POINTS, 2)
+            for each in along_polygon(corners.reshape(-1, *corners.shape[2:]), POINTS)
+        )
         outlines, offsets = [], []
-        for image, noise, camera, polygon in zip(images, noises, cameras, polygons):
-            points, normals = (part[0] for part in along_polygon(polygon[None], POINTS))
-            pixels = points * camera.P[0, 0] + camera.P[:2, 2]
-            offset, weight = _edges_near(image, pixels, normals, noise, _SHIFTS_PX if round_ == 0 else (0.0,))
-            outlines.append(Outline(pixels - offset[:, None] * normals, normals, weight, np.zeros(len(weight))))
+        for view, (image, noise, camera) in enumerate(zip(images, noises, (rig.left, rig.right))):
+            pixels, across = points[:, view] * camera.P[0, 0] + camera.P[:2, 2], normals[:, view]
+            offset, weight = _edges_near(image, pixels, across, noise, _SHIFTS_PX if round_ == 0 else (0.0,))
+            edges = pixels - offset[..., None] * across
+            outlines.append([Outline(*side, np.zeros(POINTS)) for side in zip(edges, across, weight)])
             offsets.append(np.where(weight > 0, np.abs(offset), np.inf))
-        sight = Sight.of([(outlines[0], outlines[1])], rig, table)
-        now = fitted(sight, solid)
-        if round_ == _ROUNDS or min(outline.weight.sum() for outline in outlines) < 8:
+        sight = Sight.of(list(zip(*outlines)), rig, table)
+        now = fitted(sight, solids)
+        held = np.flatnonzero(sight.weight.sum(axis=2).min(axis=1) >= _LEAST_HELD)
+        if round_ == _ROUNDS or not len(held):
             break
-        solid = refine(sight, now, rounds=3).solids
-    return Locked(now, np.array([float((side < _ON_EDGE_PX).mean()) for side in offsets]))
+        solids = solids.replaced(held, refine(sight.only(held), now.only(held), rounds=3).solids)
+    return Locked(now, (np.stack(offsets, axis=1) < _ON_EDGE_PX).mean(axis=2))
 
 
 def _edges_near(
     image: Image, points_px: Floats, normals: Floats, noise: float, shifts_px: Sequence[float]
 ) -> tuple[Floats, Floats]:
-    """Offset (N,) [px, inwards] of the clearest edge near each point, and the trust in it (N,)."""
+    """Offset (S, N) [px, inwards] of the clearest edge near each point (S, N, 2), and the trust in it (S, N)."""
+    shape = points_px.shape[:-1]
+    points_px, normals = points_px.reshape(-1, 2), normals.reshape(-1, 2)
     best = np.zeros((3, len(points_px)))
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
@@ -76,7 +83,7 @@ def _edges_near(
         best = np.where(
             np.abs(edges.step) * (1 + 0 * offset) > best[2], [offset, _trust(edges, noise), np.abs(edges.step)], best
         )
-    return best[0], best[1]
+    return best[0].reshape(shape), best[1].reshape(shape)
 
 
 def _trust(edges: Edges, noise: float) -> Floats:

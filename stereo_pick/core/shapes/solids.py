@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +28,21 @@ class Solids:
     def only(self, chosen: Ints) -> Solids:
         """These of them."""
         return Solids(self.kind, self.centre_m[chosen], self.rotation[chosen], self.half_m[chosen], self.turns[chosen])
+
+    @staticmethod
+    def joined(several: Sequence[Solids]) -> Solids:
+        """Solids of one kind, with as many turns each, as one."""
+        centre, rotation, half, turns = (
+            np.concatenate([getattr(each, name) for each in several])
+            for name in ("centre_m", "rotation", "half_m", "turns")
+        )
+        return Solids(several[0].kind, centre, rotation, half, turns)
+
+    def replaced(self, rows: Ints, others: Solids) -> Solids:
+        """The same with others in these rows."""
+        centre, rotation, half = self.centre_m.copy(), self.rotation.copy(), self.half_m.copy()
+        centre[rows], rotation[rows], half[rows] = others.centre_m, others.rotation, others.half_m
+        return Solids(self.kind, centre, rotation, half, self.turns)
 
     def turning_freely(self) -> Solids:
         """The same, to be turned about every axis that matters."""

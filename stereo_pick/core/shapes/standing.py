@@ -6,14 +6,14 @@ edges that such a solid must have are there in both views.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.shapes.fitting import Pair, best_of_kind, can_be_fitted
+from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import Images, Supported
-from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE
+from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -21,16 +21,18 @@ CHANCE = 1 / 12  # by which the support of two solids that share most of their s
 _UPRIGHT = np.cos(np.deg2rad(25))  # of an axis that the outlines alone put so near to upright
 
 
-def standing(images: Images, pair: Pair, table: Table) -> Supported | None:
-    """The solid on the table with the most support among those that an object's outlines hint at; None where there is
-    none to believe in.
+def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Supported | None]:
+    """For each object's outlines, the solid on the table with the most support among those that they hint at; None
+    where there is none to believe in."""
+    candidates = _candidates(images, [pair for pair in pairs if can_be_fitted(pair)], table)
+    images.all_locked([solid for several in candidates.values() for solid in several], table)
+    return [_most_supported(images, candidates.get(pair, []), table) for pair in pairs]
 
-    A piece of a solid has the support of the sides that it shares with the whole: what goes on further, with as much
-    support, is the whole.
-    """
-    if not can_be_fitted(pair):
-        return None
-    found = [images.locked(solid, table) for solid in _candidates(images, pair, table)]
+
+def _most_supported(images: Images, candidates: Sequence[Solids], table: Table) -> Supported | None:
+    """A piece of a solid has the support of the sides that it shares with the whole: what goes on further, with as much
+    support, is the whole."""
+    found = images.all_locked(candidates, table)
     best = max((each for each in found if each.believable), key=lambda each: each.score, default=None)
     longer = images.longer(best.fit.solid, table) if best is not None else None
     if best is None or longer is None or longer.support < best.support - CHANCE:
@@ -38,16 +40,18 @@ def standing(images: Images, pair: Pair, table: Table) -> Supported | None:
     return longer if longer.believable else None
 
 
-def _candidates(images: Images, pair: Pair, table: Table) -> Iterator[Solids]:
-    for kind in (SPHERE, CYLINDER, BOX, HEX_PRISM):
-        solid, _ = best_of_kind(pair, images.rig, kind, table)
-        yield solid
-        if kind is SPHERE:
-            continue
-        free, _ = images.of_kind(pair, kind)
-        lengthened = down_to(free, table)
-        if lengthened is not None:
-            yield lengthened
+def _candidates(images: Images, pairs: Sequence[Pair], table: Table) -> dict[Pair, list[Solids]]:
+    found: dict[Pair, list[Solids]] = {pair: [] for pair in pairs}
+    for kind in KINDS.values() if pairs else ():
+        on_table = nearest_of_kind(pairs, images.rig, kind, table)
+        if kind is not SPHERE:
+            images.search(pairs, kind)
+        for pair, solids in found.items():
+            solids.append(on_table[pair, kind][0])
+            lengthened = None if kind is SPHERE else down_to(images.of_kind(pair, kind)[0], table)
+            if lengthened is not None:
+                solids.append(lengthened)
+    return found
 
 
 def down_to(solid: Solids, table: Table) -> Solids | None:
