@@ -18,7 +18,7 @@ from formatting import decimals, markdown_table
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.detection import BoardImages, detect
 from stereo_pick.core.calibration.held_out import FOLDS, Cameras, HeldOut, epipolar_px, length_errors_m
-from stereo_pick.core.calibration.parameters import DistortionModel, transform
+from stereo_pick.core.calibration.parameters import USUAL, DistortionModel, transform
 from stereo_pick.core.calibration.refinement import refine
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.solving import calibrate_best
@@ -28,9 +28,6 @@ from stereo_pick.core.frames import grey
 from stereo_pick.core.images import read_image
 
 Calibrate = Callable[[list[int]], Cameras]
-
-# What OpenCV has to leave zero in a model of fewer distortion coefficients than this.
-FIXED_BELOW = {5: cv2.CALIB_FIX_K3, 4: cv2.CALIB_ZERO_TANGENT_DIST, 2: cv2.CALIB_FIX_K2, 1: cv2.CALIB_FIX_K1}
 
 
 class Recording(NamedTuple):
@@ -135,7 +132,7 @@ def fixed_intrinsics(
 ) -> Cameras:
     """The usual recipe: each camera alone, then stereoCalibrate with CALIB_FIX_INTRINSIC on what both images show."""
     tight = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-9)
-    fixed = sum(flag for least, flag in FIXED_BELOW.items() if model.coefficients < least)
+    fixed = cv2.CALIB_FIX_K3 if model is USUAL else 0
     alone = []
     for side in (0, 1):
         points, corners = [

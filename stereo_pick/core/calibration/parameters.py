@@ -33,16 +33,13 @@ class DistortionModel(Enum):
     Each model holds the one before it.
     """
 
-    NONE = "none"
-    K1 = "k1"
-    K1_K2 = "k1 k2"
     K1_K2_P1_P2 = "k1 k2 p1 p2"
     K1_K2_P1_P2_K3 = "k1 k2 p1 p2 k3"
 
     @property
     def coefficients(self) -> int:
         """How many coefficients a camera has."""
-        return 0 if self is DistortionModel.NONE else len(self.value.split())
+        return len(self.value.split())
 
     @property
     def free(self) -> Bools:
@@ -51,7 +48,7 @@ class DistortionModel(Enum):
         return np.concatenate([of_camera, of_camera, np.ones(6, np.bool_)])
 
 
-USUAL = DistortionModel.K1_K2_P1_P2
+USUAL, RICH = DistortionModel.K1_K2_P1_P2, DistortionModel.K1_K2_P1_P2_K3
 
 
 def camera_vector(camera: Camera) -> Floats:

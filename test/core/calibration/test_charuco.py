@@ -15,7 +15,7 @@ from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.charuco import CharucoBoard
 from stereo_pick.core.calibration.detection import BoardImages, detect
 from stereo_pick.core.calibration.detectors import SeenCorners, board_view, finders
-from stereo_pick.core.calibration.parameters import DistortionModel, rig_vector
+from stereo_pick.core.calibration.parameters import USUAL, rig_vector
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.solving import calibrate, calibrate_best
 from stereo_pick.core.calibration.views import BoardView, Detections, RejectedView
@@ -230,7 +230,7 @@ def test_left_and_right_show_different_parts_of_a_board_that_leaves_them() -> No
 def test_stated_uncertainties_cover_the_truth_where_boards_are_seen_in_part() -> None:
     cameras = [Camera(side, *SIZE_PX, K, np.zeros(5), np.eye(3), np.eye(3, 4)) for side in ("left", "right")]
     truth = rig_vector(cameras[0], cameras[1], right_T_left)
-    free = DistortionModel.NONE.free
+    free = USUAL.free
     errors = np.array([(result.solution.parameters - truth)[free] for result in seen_in_part()])
     sigmas = np.array([result.uncertainty.sigma[free] for result in seen_in_part()])
     for of_sigma, claimed, allowed in ((1.0, 0.683, 0.07), (1.96, 0.95, 0.04)):
