@@ -10,14 +10,11 @@ from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from stereo_pick.core.correspondence.cut_together import Way, ways_to_cut
 from stereo_pick.core.correspondence.located import TOP, BlobPair, Located, is_flat
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.splitting import split
-from stereo_pick.core.shapes import SolidFit
 
 Row = tuple[BlobPair, Located]
 
@@ -134,19 +131,12 @@ def _different(rows: Sequence[Row]) -> tuple[list[Row], set[Blob]]:
     kept: list[Row] = []
     repeated: set[Blob] = set()
     for row in sorted(rows, key=lambda row: row[1].sigma_px):
-        if any(_same_body(row[1].fit, other.fit) for _, other in kept):
+        fit = row[1].fit
+        if fit is not None and any(where.fit is not None and fit.overlaps(where.fit) for _, where in kept):
             repeated.update(row[0])
         else:
             kept.append(row)
     return kept, repeated
-
-
-def _same_body(one: SolidFit | None, other: SolidFit | None) -> bool:
-    """Whether the centre of one solid lies within the other."""
-    if one is None or other is None:
-        return False
-    apart_m = one.centre_m - other.centre_m
-    return any(bool((np.abs(apart_m @ each.rotation) < each.size_m / 2).all()) for each in (one, other))
 
 
 def _parts(blob: Blob, max_concavity: float) -> list[Blob]:

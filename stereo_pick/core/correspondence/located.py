@@ -35,7 +35,6 @@ _SHARP_LIMB = 0.75
 _DISAGREE = 2.5  # sigmas
 _BODY = 0.3  # thickness by length of what is no lit face
 _SURELY_SHARP = 0.5
-_IN_A_NOTCH_PX = 1.0
 _FLAT = 0.08  # thickness by length of what may be a print
 TOP = 0.15  # ... of what may be the lit top of a body, as long as no table is known
 
@@ -106,7 +105,7 @@ def _is_notched(blobs: BlobPair, max_concavity: float) -> bool:
 def _readings(blobs: BlobPair, outlines: Pair) -> list[Pair]:
     """The outlines trusted as far as usual, where their edges are surely sharp only, and where they are in no notch:
     what is lit of a body may have one, its silhouette has none. What of it can be fitted, each once."""
-    several = [outlines, _outlines(blobs, _SURELY_SHARP), _outlines(blobs, SHARP, _IN_A_NOTCH_PX)]
+    several = [outlines, _outlines(blobs, _SURELY_SHARP), _outlines(blobs, SHARP, convex=True)]
     different: list[Pair] = []
     for pair in several:
         if not any(_is_the_same(pair, other) for other in different) and can_be_fitted(pair):
@@ -118,11 +117,10 @@ def _is_the_same(one: Pair, other: Pair) -> bool:
     return all(np.array_equal(a.weight, b.weight) for a, b in zip(one, other))
 
 
-def _outlines(blobs: BlobPair, sharp: float, depth_px: float = np.inf) -> Pair:
-    """Those of both views; trusted where they are at least so sharp, and less deep within their hulls."""
+def _outlines(blobs: BlobPair, sharp: float, *, convex: bool = False) -> Pair:
+    """Those of both views; trusted where they are at least so sharp and, if they must be convex, on their hulls."""
     left, right = (
-        Outline.from_contour(blob.contour_px, (blob.sharpness >= sharp) & (blob.within_hull() < depth_px))
-        for blob in blobs
+        Outline.from_contour(b.contour_px, (b.sharpness >= sharp) & (b.on_hull if convex else True)) for b in blobs
     )
     return left, right
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from stereo_pick.core.correspondence.apart import Row
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.frontier import reaches_down
@@ -114,10 +112,4 @@ def _is_sure(where: Located, table: Table) -> bool:
 def _is_apart(fit: SolidFit | None, found: Sequence[Row]) -> bool:
     """No two solids are at the same place."""
     others = [other.fit for _, other in found if other.fit is not None]
-    return fit is not None and not any(_within(fit, other) or _within(other, fit) for other in others)
-
-
-def _within(one: SolidFit, other: SolidFit) -> bool:
-    """Whether the centre of one lies inside the other."""
-    own = (one.centre_m - other.centre_m) @ other.rotation
-    return bool((np.abs(own) < other.size_m / 2).all())
+    return fit is not None and not any(fit.overlaps(other) for other in others)

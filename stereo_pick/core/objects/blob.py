@@ -88,9 +88,12 @@ class Blob:
     @cached_property
     def on_hull(self) -> Bools:
         """Which contour points (N,) are on its convex hull: what lies in a notch is not the edge of one convex part."""
-        hull = cv2.convexHull(self.contour_px.astype(np.float32))
-        inside = [cv2.pointPolygonTest(hull, (float(x), float(y)), True) for x, y in self.contour_px]
-        return np.asarray(np.array(inside) < _ON_HULL_PX)
+        hull = cv2.convexHull(self.contour_px.astype(np.float32))[:, 0].astype(np.float64)
+        ahead = np.roll(hull, -1, axis=0) - hull
+        inward = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / np.linalg.norm(ahead, axis=1, keepdims=True)
+        inward *= np.sign(_signed_area(hull))
+        inside_px = (self.contour_px @ inward.T - (hull * inward).sum(axis=1)).min(axis=1)
+        return np.asarray(inside_px < _ON_HULL_PX)
 
     @cached_property
     def concavity(self) -> float:
@@ -106,14 +109,6 @@ class Blob:
             return 0.0
         depth_px = float(defects[..., 3].max()) / 256 / 16
         return depth_px / max(self.rectangle[1], 1.0)
-
-    def within_hull(self) -> Floats:
-        """How far (N,) [px] each contour point lies inside the outline's convex hull."""
-        hull = cv2.convexHull(self.contour_px.astype(np.float32))[:, 0].astype(np.float64)
-        ahead = np.roll(hull, -1, axis=0) - hull
-        inward = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1) / np.linalg.norm(ahead, axis=1, keepdims=True)
-        inward *= np.sign(_signed_area(hull))
-        return np.asarray((self.contour_px @ inward.T - (hull * inward).sum(axis=1)).min(axis=1))
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,6 +53,11 @@ class SolidFit:
         solid, own = self.solid, direction @ self.rotation
         return float(solid.kind.touch(own[None, None], solid.half_m)[0, 0] @ own)
 
+    def overlaps(self, other: SolidFit) -> bool:
+        """Whether the centre of one of the two lies within the other's sides."""
+        apart_m = self.centre_m - other.centre_m
+        return any(bool((np.abs(apart_m @ each.rotation) < each.size_m / 2).all()) for each in (self, other))
+
     def centre_px(self, camera: Camera) -> Floats:
         """Where the centre (2,) [px] appears in a rectified camera."""
         projected = camera.P @ np.append(self.centre_m, 1.0)

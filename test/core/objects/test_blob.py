@@ -69,11 +69,15 @@ def test_a_notch_counts_as_a_part_of_the_width(part: float) -> None:
 
 
 @given(st.floats(0.1, 0.9), st.booleans())
-def test_points_of_a_notch_lie_as_deep_within_the_hull_as_it_is_deep(part: float, backwards: bool) -> None:
+def test_all_but_the_points_of_a_notch_are_on_the_hull(part: float, backwards: bool) -> None:
     notched = np.array([(0, 0), (45, 0), (50, 40 * part), (55, 0), (100, 0), (100, 40), (0, 40)])
-    depth = np.array([0, 0, 40 * min(part, 1 - part), 0, 0, 0, 0])
     order = slice(None, None, -1 if backwards else 1)
-    np.testing.assert_allclose(Blob(notched[order], 1.0).within_hull(), depth[order], atol=1e-4)
+    assert Blob(notched[order], 1.0).on_hull.tolist() == [True, True, False, True, True, True, True][order]
+
+
+@given(SIZES, SIZES, ANGLES)
+def test_all_points_of_a_convex_outline_are_on_its_hull(a: float, b: float, angle: float) -> None:
+    assert Blob(rectangle(a, b, angle, 100, 100), 1.0).on_hull.all()
 
 
 @pytest.mark.parametrize(
