@@ -15,8 +15,8 @@ from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes import Outline, SolidFit
 from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables
 from stereo_pick.core.shapes.fitting import Pair
-from stereo_pick.core.shapes.hypotheses import Images, Supported
-from stereo_pick.core.shapes.standing import CHANCE, standing
+from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
+from stereo_pick.core.shapes.standing import standing
 from stereo_pick.core.shapes.table import Table
 
 _ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 0.3, 3.0  # by how much the lit parts of one object may differ

@@ -27,6 +27,8 @@ _SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on ed
 _PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a median
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
 _SHOWN_BEYOND = 0.5  # part of what a solid adds to the outlines that must lie on edges
+CHANCE = 1 / 12  # by which the support of two solids that share most of their silhouettes may differ
+_BODY = 0.3  # thickness by length of what is no lit face
 _RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
 _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
 
@@ -143,15 +145,21 @@ class Images:
 
     def _with_longer(self, solid: Solids) -> list[Supported]:
         """A longer solid with support makes the shorter one, a part of it, unbelievable."""
-        longer = self.longer(solid)
-        if longer is not None and longer.raises_doubt:
-            return [longer]
-        return [self.locked(solid)]
+        longer = self.contradicts(solid)
+        return [longer] if longer is not None else [self.locked(solid)]
 
     def contradicts(self, solid: Solids) -> Supported | None:
-        """A longer solid that has enough support to make this one doubtful, whether or not it is sure itself."""
+        """A longer solid that has enough support to make this one doubtful, whether or not it is sure itself.
+
+        A part of a body shares most of the whole one's edges: the whole has as much support. A lit face has more than
+        the faint sides behind it.
+        """
         longer = self.longer(solid)
-        return longer if longer is not None and longer.raises_doubt else None
+        if longer is None or not longer.raises_doubt:
+            return None
+        sizes = solid.size_m()[0]
+        is_body = float(sizes.min()) > _BODY * float(sizes.max())
+        return None if is_body and longer.support < self.locked(solid).support - CHANCE else longer
 
     def hides_a_side(self, pair: Pair) -> bool:
         """Whether the edges around an object of unknown shape hint that its outlines show a part of it only."""

@@ -12,12 +12,11 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
-from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
-CHANCE = 1 / 12  # by which the support of two solids that share most of their silhouettes may differ
 _UPRIGHT = np.cos(np.deg2rad(25))  # of an axis that the outlines alone put so near to upright
 
 
