@@ -70,7 +70,9 @@ class Detector(Configurable):
         low=0.01,
         high=10.0,
     )
-    closing_px: int = parameter(3, "Gaps up to this width are closed (step 4); 0 closes none.", low=0, high=99)
+    closing_px: int = parameter(
+        3, "Gaps up to this width are closed (step 4), wider ones in a pattern; 0 closes none.", low=0, high=99
+    )
     subpixel: bool = parameter(True, "Place each outline to a part of a pixel; false is the thesis's pixel mask.")
 
     def __post_init__(self) -> None:

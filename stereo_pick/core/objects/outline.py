@@ -15,6 +15,10 @@ from stereo_pick.core.objects.blob import Blob
 from stereo_pick.core.objects.foreground import Foreground
 from stereo_pick.core.objects.view import View
 
+_PATTERN = 0.04  # of an object's contrast, from a pixel to the next ones
+_PATTERN_SIGMAS = 2.0
+_GAP = 0.2  # of an object's width
+
 _T = TypeVar("_T", bound=np.generic)
 
 
@@ -38,7 +42,8 @@ def outlines(fore: Foreground, min_area_px: int, closing_px: int) -> Iterator[Bl
             excess = fore.excess(window)
             # What fades at the rim is glow or shadow.
             member &= excess > fore.trim * upper_median(excess[member.view(np.bool_)])
-            yield from pieces(view, member, excess, (x, y), min_area_px, closing_px)
+            gap_px = closing_px and max(closing_px, _gap_px(member, excess, fore.contrast.background.sigma))
+            yield from pieces(view, member, excess, (x, y), min_area_px, gap_px)
 
 
 def parts(
@@ -64,6 +69,20 @@ def pieces(
         contrast, peak = _levels(excess[(filled & kept).view(np.bool_)])
         contour = np.asarray(found[:, 0], np.float64) + (corner[0] - closing_px, corner[1] - closing_px)
         yield Blob(view.full_px(contour), contrast, cut=_leaves(view, contour), peak=peak)
+
+
+def _gap_px(member: Image, excess: NDArray[np.float32], sigma: float) -> int:
+    """Width of the gaps that the dark places of a pattern leave at the rim of a part [px], 0 where it shows none.
+
+    Its shape is not changed by closing gaps much narrower than itself.
+    """
+    inner = cv2.erode(member, np.ones((5, 5), np.uint8)).view(np.bool_)
+    if not inner.any():
+        return 0
+    uneven = np.abs(excess - cv2.blur(excess, (5, 5)))[inner]
+    if upper_median(uneven) < max(_PATTERN * upper_median(excess[inner]), _PATTERN_SIGMAS * sigma):
+        return 0
+    return 2 * int(_GAP * min(member.shape) / 2) + 1
 
 
 def upper_median(values: NDArray[np.floating]) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from outlines import PARALLEL, Disc, discs, grey_image
+from outlines import PARALLEL, Disc, discs, grey_image, pattern
 from rendering import Scene, Sensor, balls, render
 from rigs import RIGS, SIZE_PX
 
@@ -214,3 +214,28 @@ def test_whole_pixel_outlines_run_through_pixel_centres() -> None:
 def test_parts_come_from_left_to_right() -> None:
     columns = centroids(found(discs(PLACES[::-1])).left)[:, 0]
     assert (np.diff(columns) > 0).all()
+
+
+def notched(pattern_seed: int | None) -> Blob:
+    """A disc with two notches as deep as a sixth of it, even or with a pattern of cells as large as they."""
+    part = discs([(300.0, 240.0, 40.0)], surface=1.0, background=0.0)
+    for row in (225, 255):
+        part[row : row + 7, 255:278] = 0.0
+    light = np.full(part.shape, 120.0)
+    if pattern_seed is not None:
+        v, u = np.mgrid[: part.shape[0], : part.shape[1]].astype(float)
+        light += pattern(pattern_seed)(u, v) - 120
+    image = grey_image(50 + part * np.clip(light, 60, 200), noise_dn=1.0)
+    (blob,) = Detector(polarity="bright").detect(RectifiedPair(image, image, PARALLEL)).left
+    return blob
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_dark_places_of_a_pattern_leave_no_notches_at_its_rim(seed: int) -> None:
+    blob = notched(seed)
+    assert not blob.fault
+    assert blob.area_px2 == pytest.approx(np.pi * 40**2, rel=0.02)
+
+
+def test_an_even_part_keeps_its_notches() -> None:
+    assert notched(None).concavity > 0.12
