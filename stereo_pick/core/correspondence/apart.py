@@ -11,7 +11,8 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 from stereo_pick.core.correspondence.cut_together import Way, ways_to_cut
-from stereo_pick.core.correspondence.located import TOP, BlobPair, Located, is_flat
+from stereo_pick.core.correspondence.located import TOP, is_flat
+from stereo_pick.core.correspondence.position import BlobPair, Located
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.splitting import split

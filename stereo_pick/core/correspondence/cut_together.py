@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from stereo_pick.core.correspondence.located import BlobPair
+from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.splitting import divisions

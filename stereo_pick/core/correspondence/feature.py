@@ -15,9 +15,11 @@ from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.left_over import left_over
-from stereo_pick.core.correspondence.located import BlobPair, Located, locate
+from stereo_pick.core.correspondence.located import locate
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.on_table import SecondLook, lit_parts
+from stereo_pick.core.correspondence.overlap import one_in_each_place
+from stereo_pick.core.correspondence.position import BlobPair, Located
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.errors import ArrayError, ParameterError
@@ -126,7 +128,8 @@ class Feature(Method):
         )
         blobs, rows = taken_apart(blobs, _blobs_of(kept) + unclear, matching)
         found, lost_parts = _told_apart(rows)
-        kept, lost = kept + found, lost + lost_parts
+        kept, twice = one_in_each_place(kept + found)
+        lost = lost + lost_parts + twice
         kept, off, table = self._on_table(images, blobs, kept, unclear)
         lost = lost + off
         lost = [row for row in lost if not _any_of(row[0], _blobs_of(kept)) and _all_of(row[0], blobs)]

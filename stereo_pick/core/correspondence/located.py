@@ -7,50 +7,29 @@ both outlines says how far off it is; where the outlines show only a part of the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.one_face import shows_one_face
-from stereo_pick.core.objects import Blob
+from stereo_pick.core.correspondence.position import BlobPair, Located, by_outlines, by_solid, by_stretched
 from stereo_pick.core.objects.blob import CUT, SHARP
 from stereo_pick.core.objects.splitting import may_be_two
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solids
+from stereo_pick.core.shapes import Outline, SolidFit, fit_solids
 from stereo_pick.core.shapes.fitting import Pair, best_of_kind, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 
-_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point
-HALF_SEEN_SIGMA_PX = 0.6  # where a solid stands on edges near which a shadow may have some, too
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
 _MAY_BE_CUT = 0.25
 _SLIGHT = 0.25  # of max_concavity
 _NOTCH, _FADES = 0.5, 0.02  # of max_concavity, of the outline, in both views: light fades where the notch is
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
-_UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _SHARP_LIMB = 0.75
-_DISAGREE = 2.5  # sigmas
-_BODY = 0.3  # thickness by length of what is no lit face
 _SURELY_SHARP = 0.5
 _FLAT = 0.08  # thickness by length of what may be a print
 TOP = 0.15  # ... of what may be the lit top of a body, as long as no table is known
-
-BlobPair = tuple[Blob, Blob]
-
-
-@dataclass(frozen=True, eq=False)
-class Located:
-    """Image points (2,) [px] of an object's centre, their sigma [px], and the solid, if one explains it; or the
-    reason why they are not known."""
-
-    left_px: Floats
-    right_px: Floats
-    sigma_px: float
-    fit: SolidFit | None
-    reason: str = ""
 
 
 def locate(images: Images, matched: Sequence[BlobPair], max_concavity: float, flat_parts: bool) -> list[Located]:
@@ -58,7 +37,7 @@ def locate(images: Images, matched: Sequence[BlobPair], max_concavity: float, fl
 
     max_concavity: of one part's outline; flat_parts: whether what shows one face only may be a flat part.
     """
-    outlines = [_outlines(blobs, SHARP) for blobs in matched]
+    outlines = [trusted_outlines(blobs, SHARP) for blobs in matched]
     whole = [_is_whole(blobs, max_concavity) for blobs in matched]
     found = iter(fit_solids([each for each, one in zip(outlines, whole) if one], images.rig, nearest=images.nearest))
     fits = [next(found) if one else None for one in whole]
@@ -75,12 +54,13 @@ def _locate(
     if fit is not None:
         longer = _longer(images, outlines, blobs, fit)
         if longer is not None:
-            return _stretched(images.rig, blobs, fit, longer.fit) if longer.believable else _refused(blobs, "half_lit")
-        complete = max(fading, *(blob.cut_share for blob in blobs)) <= _COMPLETE
-        return _by_outlines(images.rig, blobs, fit) if complete else by_solid(images.rig, fit)
+            return by_stretched(images.rig, fit, longer) if longer.believable else _refused(blobs, "half_lit")
+        unseen = max(fading, *(blob.cut_share for blob in blobs))
+        complete = unseen <= _COMPLETE
+        return by_outlines(images.rig, blobs, fit) if complete else by_solid(images.rig, fit, 1 - unseen)
     best = images.best(readings)
     if best is not None and images.shows_beyond(best.fit.solid, [(b.contour_px, b.sharpness > CUT) for b in blobs]):
-        return by_solid(images.rig, best.fit)
+        return by_solid(images.rig, best.fit, best.support)
     if _is_notched(blobs, max_concavity) or any(
         blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs
     ):
@@ -90,7 +70,7 @@ def _locate(
     half_lit = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(b.fading for b in blobs) > _FADES
     if half_lit or fading > _MAY_FADE_UNEXPLAINED or (can_be_fitted(outlines) and images.hides_a_side(outlines)):
         return _refused(blobs, "half_lit")
-    return _by_outlines(images.rig, blobs, None)
+    return by_outlines(images.rig, blobs, None)
 
 
 def _is_whole(blobs: BlobPair, max_concavity: float) -> bool:
@@ -105,7 +85,7 @@ def _is_notched(blobs: BlobPair, max_concavity: float) -> bool:
 def _readings(blobs: BlobPair, outlines: Pair) -> list[Pair]:
     """The outlines trusted as far as usual, where their edges are surely sharp only, and where they are in no notch:
     what is lit of a body may have one, its silhouette has none. What of it can be fitted, each once."""
-    several = [outlines, _outlines(blobs, _SURELY_SHARP), _outlines(blobs, SHARP, convex=True)]
+    several = [outlines, trusted_outlines(blobs, _SURELY_SHARP), trusted_outlines(blobs, SHARP, convex=True)]
     different: list[Pair] = []
     for pair in several:
         if not any(_is_the_same(pair, other) for other in different) and can_be_fitted(pair):
@@ -117,7 +97,7 @@ def _is_the_same(one: Pair, other: Pair) -> bool:
     return all(np.array_equal(a.weight, b.weight) for a, b in zip(one, other))
 
 
-def _outlines(blobs: BlobPair, sharp: float, *, convex: bool = False) -> Pair:
+def trusted_outlines(blobs: BlobPair, sharp: float, *, convex: bool = False) -> Pair:
     """Those of both views; trusted where they are at least so sharp and, if they must be convex, on their hulls."""
     left, right = (
         Outline.from_contour(b.contour_px, (b.sharpness >= sharp) & (b.on_hull if convex else True)) for b in blobs
@@ -155,58 +135,3 @@ def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> S
 
 def _refused(blobs: BlobPair, reason: str) -> Located:
     return Located(blobs[0].centroid_px, blobs[1].centroid_px, 1.0, None, reason)
-
-
-def _by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Located:
-    """The solid-angle centroids of the outlines, moved by what the solid says of perspective.
-
-    Where they lie off the solid's own centre by more than their noise, a piece of an outline is not the object's: the
-    solid, which leaves out such pieces, decides.
-    """
-    cameras = rig.left, rig.right
-    left_px, right_px = (centroid_px(blob.contour_px, camera) for blob, camera in zip(blobs, cameras))
-    length_px = min(len(blob.contour_px) for blob in blobs)  # a point each pixel
-    variance = _ARC_SIGMA_PX**2 * _ARC_PX / length_px
-    if fit is not None:
-        left_px, right_px = left_px + fit.perspective_shift_px(rig.left), right_px + fit.perspective_shift_px(rig.right)
-        own = [fit.centre_px(camera) for camera in cameras]
-        off_px = max(float(np.linalg.norm(place - seen)) for place, seen in zip(own, (left_px, right_px)))
-        if off_px > _DISAGREE * np.sqrt(variance):
-            return Located(own[0], own[1], float(np.sqrt(variance + (off_px / 3) ** 2)), fit)
-    else:
-        variance += (_UNKNOWN_SHAPE * max(blob.rectangle[0] for blob in blobs)) ** 2
-    variance += float(left_px[1] - right_px[1]) ** 2 / 2
-    return Located(left_px, right_px, float(np.sqrt(variance)), fit)
-
-
-def _stretched(rig: StereoRig, blobs: BlobPair, fit: SolidFit, longer: SolidFit) -> Located:
-    """The longer solid's centre; where the shorter one is a body, too, and its shadow may be what was found beyond it,
-    no surer than the two agree."""
-    found = by_solid(rig, longer)
-    if fit.size_m.min() < _BODY * fit.size_m.max():
-        return found
-    off_px = float(np.linalg.norm(longer.centre_px(rig.left) - fit.centre_px(rig.left)))
-    return replace(found, sigma_px=float(np.hypot(found.sigma_px, off_px / 2)))
-
-
-def by_solid(rig: StereoRig, fit: SolidFit) -> Located:
-    """The images of the solid's centre; its covariance as the least sigma that covers it."""
-    left_px, right_px = fit.centre_px(rig.left), fit.centre_px(rig.right)
-    per_px2 = _covariance_per_px2(rig, fit.centre_m)
-    spread = float(np.linalg.eigvals(np.linalg.solve(per_px2, fit.covariance)).real.max())
-    return Located(left_px, right_px, float(np.sqrt(HALF_SEEN_SIGMA_PX**2 + spread)), fit)
-
-
-def _covariance_per_px2(rig: StereoRig, centre_m: Floats) -> Floats:
-    """Covariance (3, 3) [m²] of a point whose image points are off by one sigma of one pixel each."""
-    x, y, z = centre_m
-    focal, baseline = rig.focal_px, rig.baseline_m
-    scale = z / (focal * baseline)
-    jacobian = np.array(
-        [
-            [(baseline - x) * scale, x * scale, 0.0, 0.0],
-            [-y * scale, y * scale, z / focal / 2, z / focal / 2],
-            [-z * scale, z * scale, 0.0, 0.0],
-        ]
-    )
-    return np.asarray(jacobian @ jacobian.T)

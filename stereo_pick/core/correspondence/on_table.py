@@ -8,18 +8,20 @@ from dataclasses import dataclass, replace
 from stereo_pick.core.correspondence.apart import Row
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.frontier import reaches_down
-from stereo_pick.core.correspondence.located import HALF_SEEN_SIGMA_PX, TOP, BlobPair, Located, by_solid, is_flat
+from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
+from stereo_pick.core.correspondence.overlap import is_apart
+from stereo_pick.core.correspondence.position import BlobPair, Located, by_solid
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
-from stereo_pick.core.shapes import Outline, SolidFit
-from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables
-from stereo_pick.core.shapes.fitting import Pair
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables, surely_on
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.standing import standing
 from stereo_pick.core.shapes.table import Table
 
 _ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 0.3, 3.0  # by how much the lit parts of one object may differ
+_SURE_PX = 0.2  # sigma from which a table may better a position
 _TRIED_TABLES, _TRIED_PAIRS = 4, 3
 
 
@@ -56,12 +58,12 @@ class SecondLook:
         without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(unsure, standing_there)])
         for (blobs, where), on_it, in_the_air in zip(unsure, standing_there, without):
             again = self._weighed(table, blobs, where, on_it, in_the_air)
-            if again.fit is not None and not _is_apart(again.fit, found):
+            if again.fit is not None and not is_apart(again.fit, found):
                 again = replace(where, fit=None, reason="merged")
             (refused if again.reason else found).append((blobs, again))
         for blobs, on_it in zip(self.pairs, standing_there[len(unsure) :]):
-            if on_it is not None and _is_apart(on_it.fit, found):
-                found.append((blobs, by_solid(self.images.rig, on_it.fit)))
+            if on_it is not None and is_apart(on_it.fit, found):
+                found.append((blobs, by_solid(self.images.rig, on_it.fit, on_it.support)))
         return found, refused
 
     def _weighed(
@@ -75,10 +77,10 @@ class SecondLook:
         fit = where.fit
         if fit is None:
             if on_it is not None:
-                return by_solid(self.images.rig, on_it.fit)
+                return by_solid(self.images.rig, on_it.fit, on_it.support)
             return where if reaches_down(*blobs, self.images.rig, table) else replace(where, reason="half_lit")
         if on_it is not None and in_the_air is not None and on_it.support >= in_the_air.support - CHANCE:
-            return by_solid(self.images.rig, on_it.fit)
+            return by_solid(self.images.rig, on_it.fit, on_it.support)
         if stands_on(table, fit) or (hangs_above(table, fit) and not is_flat(fit, TOP)):
             return where
         return replace(where, fit=None, reason="off_table")
@@ -89,14 +91,8 @@ class SecondLook:
         return [next(found) if fit else None for fit in fits]
 
     def _on(self, table: Table, pairs: Sequence[BlobPair]) -> list[Supported | None]:
-        found = standing(self.images, [_outlines(blobs) for blobs in pairs], table)
+        found = standing(self.images, [trusted_outlines(blobs, SHARP, convex=True) for blobs in pairs], table)
         return [None if each is None or (is_flat(each.fit) and not self.flat_parts) else each for each in found]
-
-
-def _outlines(blobs: BlobPair) -> Pair:
-    """Trusted where they are sharp and no notch is."""
-    left, right = (Outline.from_contour(b.contour_px, (b.sharpness >= SHARP) & b.on_hull) for b in blobs)
-    return left, right
 
 
 def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple[float, float]) -> list[BlobPair]:
@@ -106,10 +102,4 @@ def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple
 
 
 def _is_sure(where: Located, table: Table) -> bool:
-    return where.fit is not None and where.sigma_px <= HALF_SEEN_SIGMA_PX and stands_on(table, where.fit)
-
-
-def _is_apart(fit: SolidFit | None, found: Sequence[Row]) -> bool:
-    """No two solids are at the same place."""
-    others = [other.fit for _, other in found if other.fit is not None]
-    return fit is not None and not any(fit.overlaps(other) for other in others)
+    return where.fit is not None and where.sigma_px <= _SURE_PX and surely_on(table, where.fit)

@@ -23,6 +23,7 @@ _LEAST_SIGMA_M = 0.0003
 _LEAST = 2
 _THIN = 0.2  # height by length of what may be the top of a body only
 _STEEP = np.sin(np.deg2rad(25))  # of the least angle at which a table is looked at
+_SURELY = 3.0  # sigmas
 _SUPPOSED_SIGMA_M = 0.001
 
 
@@ -78,9 +79,19 @@ def stands_on(table: Table, fit: SolidFit) -> bool:
     return abs(_base_m(table, fit)) < BASE * float(fit.size_m.mean()) and is_upright(table.normal, fit)
 
 
+def surely_on(table: Table, fit: SolidFit) -> bool:
+    """Whether a solid stands or lies as near to a table as its own sigma and the table's allow."""
+    sigma_m = np.hypot(2 * np.sqrt(table.normal @ fit.covariance @ table.normal), table.sigma_m)  # twice: of its end
+    return abs(_base_m(table, fit)) < _SURELY * sigma_m and is_upright(table.normal, fit)
+
+
 def hangs_above(table: Table, fit: SolidFit) -> bool:
-    """Whether a solid is turned as if it stood or lay on a table, but is held, or supported, above it."""
-    return _base_m(table, fit) > 0 and is_upright(table.normal, fit)
+    """Whether a solid is turned as if it stood or lay on a table, but is held, or supported, above it.
+
+    What would hang higher than it is itself is rather the lit top of something.
+    """
+    height_m = fit.reach_m(table.normal) + fit.reach_m(-table.normal)
+    return 0 < _base_m(table, fit) < height_m and is_upright(table.normal, fit)
 
 
 def _base_m(table: Table, fit: SolidFit) -> float:

@@ -14,7 +14,7 @@ from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.apart import Matching, Row, taken_apart
-from stereo_pick.core.correspondence.located import BlobPair, Located
+from stereo_pick.core.correspondence.position import BlobPair, Located
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.pipeline import Pipeline, Steps

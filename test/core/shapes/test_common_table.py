@@ -7,7 +7,7 @@ import pytest
 from solids_on_table import LYING, MIXED, NUTS, UPRIGHT, Standing, fits_on_table, table_of
 
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables
+from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables, surely_on
 from stereo_pick.core.shapes.table import Table
 
 
@@ -38,6 +38,12 @@ def test_what_stands_on_something_else_does_not_lift_the_table() -> None:
     assert off_m(found, fits[:3]) < 5e-4
     lifted = fits[3]
     assert lifted is not None and not stands_on(found, lifted) and hangs_above(found, lifted)
+    assert all(surely_on(found, fit) for fit in fits[:3] if fit) and not surely_on(found, lifted)
+
+
+def test_what_would_hang_higher_than_it_is_itself_is_no_body() -> None:
+    (fit,) = fits_on_table(40, UPRIGHT[1:], lifted_m=0.05)
+    assert fit is not None and not hangs_above(table_of(40), fit)
 
 
 def test_what_reaches_below_the_table_neither_stands_nor_hangs() -> None:

@@ -1,0 +1,104 @@
+"""Where an object's centre appears in both views, and how sure that is: by its outlines, or by the solid that it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.objects import Blob
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes import SolidFit, centroid_px
+from stereo_pick.core.shapes.hypotheses import Supported
+
+_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point
+_BY_SOLID_SIGMA_PX = 0.13  # of a solid's edges as a whole
+_MISSING = np.pi / 6  # see `_missing_sigma_px`
+_UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
+_DISAGREE = 2.5  # sigmas
+_BODY = 0.3  # thickness by length of what is no lit face
+
+BlobPair = tuple[Blob, Blob]
+
+
+@dataclass(frozen=True, eq=False)
+class Located:
+    """Image points (2,) [px] of an object's centre, their sigma [px], and the solid, if one explains it; or the
+    reason why they are not known."""
+
+    left_px: Floats
+    right_px: Floats
+    sigma_px: float
+    fit: SolidFit | None
+    reason: str = ""
+
+
+def by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Located:
+    """The solid-angle centroids of the outlines, moved by what the solid says of perspective.
+
+    Where they lie off the solid's own centre by more than their noise, a piece of an outline is not the object's: the
+    solid, which leaves out such pieces, decides.
+    """
+    cameras = rig.left, rig.right
+    left_px, right_px = (centroid_px(blob.contour_px, camera) for blob, camera in zip(blobs, cameras))
+    length_px = min(len(blob.contour_px) for blob in blobs)  # a point each pixel
+    variance = _ARC_SIGMA_PX**2 * _ARC_PX / length_px
+    if fit is not None:
+        left_px, right_px = left_px + fit.perspective_shift_px(rig.left), right_px + fit.perspective_shift_px(rig.right)
+        own = [fit.centre_px(camera) for camera in cameras]
+        off_px = max(float(np.linalg.norm(place - seen)) for place, seen in zip(own, (left_px, right_px)))
+        if off_px > _DISAGREE * np.sqrt(variance):
+            return Located(own[0], own[1], float(np.sqrt(variance + (off_px / 3) ** 2)), fit)
+    else:
+        variance += (_UNKNOWN_SHAPE * max(blob.rectangle[0] for blob in blobs)) ** 2
+    variance += float(left_px[1] - right_px[1]) ** 2 / 2
+    return Located(left_px, right_px, float(np.sqrt(variance)), fit)
+
+
+def by_stretched(rig: StereoRig, fit: SolidFit, longer: Supported) -> Located:
+    """The longer solid's centre; where the shorter one is a body, too, and its shadow may be what was found beyond it,
+    no surer than the two agree."""
+    found = by_solid(rig, longer.fit, longer.support)
+    if fit.size_m.min() < _BODY * fit.size_m.max():
+        return found
+    off_px = float(np.linalg.norm(longer.fit.centre_px(rig.left) - fit.centre_px(rig.left)))
+    return replace(found, sigma_px=float(np.hypot(found.sigma_px, off_px / 2)))
+
+
+def by_solid(rig: StereoRig, fit: SolidFit, shown: float) -> Located:
+    """The images of the solid's centre; its covariance as the least sigma that covers it.
+
+    shown: the part of its silhouette that lies on edges.
+    """
+    left_px, right_px = fit.centre_px(rig.left), fit.centre_px(rig.right)
+    per_px2 = _covariance_per_px2(rig, fit.centre_m)
+    spread = float(np.linalg.eigvals(np.linalg.solve(per_px2, fit.covariance)).real.max())
+    missing_px = _missing_sigma_px(fit, shown, rig.focal_px)
+    return Located(left_px, right_px, float(np.sqrt(_BY_SOLID_SIGMA_PX**2 + missing_px**2 + spread)), fit)
+
+
+def _missing_sigma_px(fit: SolidFit, shown: float, focal_px: float) -> float:
+    """What the part of an outline that is not shown may hide, as sigma of the centroid.
+
+    Where an arc c of a circle of radius r is replaced by something else, that may go about c / 8 beyond or short of it:
+    an area of c²/8 at the distance r from the centre, so that the centroid moves by c²/8 r / (pi r²). With the part m
+    missing, c = 2 pi r m, that is pi/2 m² r; a third of it is taken as one sigma.
+    """
+    radius_px = float(fit.size_m.mean()) / 2 * focal_px / float(fit.centre_m[2])
+    return float(_MISSING * (1 - shown) ** 2 * radius_px)
+
+
+def _covariance_per_px2(rig: StereoRig, centre_m: Floats) -> Floats:
+    """Covariance (3, 3) [m²] of a point whose image points are off by one sigma of one pixel each."""
+    x, y, z = centre_m
+    focal, baseline = rig.focal_px, rig.baseline_m
+    scale = z / (focal * baseline)
+    jacobian = np.array(
+        [
+            [(baseline - x) * scale, x * scale, 0.0, 0.0],
+            [-y * scale, y * scale, z / focal / 2, z / focal / 2],
+            [-z * scale, z * scale, 0.0, 0.0],
+        ]
+    )
+    return np.asarray(jacobian @ jacobian.T)
