@@ -12,7 +12,8 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, centroid_px
 from stereo_pick.core.shapes.hypotheses import Supported
 
-_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point
+_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point ...
+_USUAL_PX = 0.085  # ... by more where it lies farther than this from the solid that explains it
 _BY_SOLID_SIGMA_PX = 0.13  # of a solid's edges as a whole
 _MISSING = np.pi / 6  # see `_missing_sigma_px`
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
@@ -43,7 +44,8 @@ def by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Locate
     cameras = rig.left, rig.right
     left_px, right_px = (centroid_px(blob.contour_px, camera) for blob, camera in zip(blobs, cameras))
     length_px = min(len(blob.contour_px) for blob in blobs)  # a point each pixel
-    variance = _ARC_SIGMA_PX**2 * _ARC_PX / length_px
+    rougher = max(1.0, fit.residual_px / _USUAL_PX) if fit is not None else 1.0
+    variance = (_ARC_SIGMA_PX * rougher) ** 2 * _ARC_PX / length_px
     if fit is not None:
         left_px, right_px = left_px + fit.perspective_shift_px(rig.left), right_px + fit.perspective_shift_px(rig.right)
         own = [fit.centre_px(camera) for camera in cameras]
