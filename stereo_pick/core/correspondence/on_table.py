@@ -16,8 +16,9 @@ from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables, surely_on
+from stereo_pick.core.shapes.fitting import Pair
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
-from stereo_pick.core.shapes.standing import standing
+from stereo_pick.core.shapes.standing import standing, standing_alike
 from stereo_pick.core.shapes.table import Table
 
 _ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 0.3, 3.0  # by how much the lit parts of one object may differ
@@ -47,14 +48,18 @@ class SecondLook:
     def seen_on(self, table: Table, kept: Sequence[Row]) -> tuple[list[Row], list[Row]]:
         """What is found, and what must be refused.
 
-        kept: what was found without the table; what is sure and stands on it stays. All else, and the pairs, is looked
-        for as solids on the table.
+        kept: what was found without the table; what is sure and stands on it stays. What is sure but hangs clear
+        of it is looked for as one of its own kind. All else, and the pairs, is looked for as solids on the table.
         """
         sure = [_is_sure(where, table) for _, where in kept]
         found = [row for row, stays in zip(kept, sure) if stays]
         refused: list[Row] = []
         unsure = [row for row, stays in zip(kept, sure) if not stays]
-        standing_there = self._on(table, [*(blobs for blobs, _ in unsure), *self.pairs])
+        hanging = [row for row in unsure if _hangs(row[1], table)]
+        unsure = hanging + [row for row in unsure if not _hangs(row[1], table)]
+        standing_there = self._alike_on(table, hanging) + self._on(
+            table, [blobs for blobs, _ in unsure[len(hanging) :]] + list(self.pairs)
+        )
         without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(unsure, standing_there)])
         for (blobs, where), on_it, in_the_air in zip(unsure, standing_there, without):
             again = self._weighed(table, blobs, where, on_it, in_the_air)
@@ -90,9 +95,17 @@ class SecondLook:
         found = iter(self.images.all_locked([fit.solid.turning_freely() for fit in fits if fit], None))
         return [next(found) if fit else None for fit in fits]
 
+    def _alike_on(self, table: Table, rows: Sequence[Row]) -> list[Supported | None]:
+        fits = [where.fit for _, where in rows if where.fit is not None]
+        return standing_alike(self.images, [_convex_outlines(blobs) for blobs, _ in rows], fits, table)
+
     def _on(self, table: Table, pairs: Sequence[BlobPair]) -> list[Supported | None]:
-        found = standing(self.images, [trusted_outlines(blobs, SHARP, convex=True) for blobs in pairs], table)
+        found = standing(self.images, [_convex_outlines(blobs) for blobs in pairs], table)
         return [None if each is None or (is_flat(each.fit) and not self.flat_parts) else each for each in found]
+
+
+def _convex_outlines(blobs: BlobPair) -> Pair:
+    return trusted_outlines(blobs, SHARP, convex=True)
 
 
 def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple[float, float]) -> list[BlobPair]:
@@ -103,3 +116,10 @@ def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple
 
 def _is_sure(where: Located, table: Table) -> bool:
     return where.fit is not None and where.sigma_px <= _SURE_PX and surely_on(table, where.fit)
+
+
+def _hangs(where: Located, table: Table) -> bool:
+    """Whether an object is as sure, but far above the table, and more than the lit top of another."""
+    if where.fit is None or where.sigma_px > _SURE_PX or is_flat(where.fit, TOP):
+        return False
+    return hangs_above(table, where.fit) and not stands_on(table, where.fit)

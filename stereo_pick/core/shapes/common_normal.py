@@ -11,7 +11,7 @@ from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.shapes.kinds import BOX, SPHERE, cross, dot
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
-_ANGLE = np.sin(np.deg2rad(6))  # within which an axis stands or lies
+ANGLE = np.sin(np.deg2rad(6))  # within which an axis stands or lies
 BASE = 0.1  # of the solids' size, within which they stand on one table
 _LEAD = 1.0  # votes by which the normal must lead before any other direction
 
@@ -58,13 +58,13 @@ def _orientation_votes(normals: Floats, turned: Sequence[SolidFit]) -> Floats:
         off = np.sqrt(np.maximum(1 - along.max(axis=1) ** 2, 0))
         if fit.kind != BOX.name:
             off = np.minimum(off, along[:, 0])
-        votes += np.maximum(1 - (off / _ANGLE) ** 2, 0)
+        votes += np.maximum(1 - (off / ANGLE) ** 2, 0)
     return votes
 
 
 def is_upright(normal: Floats, fit: SolidFit) -> bool:
     """Whether a solid stands or lies on what has this normal (3,)."""
-    return fit.kind == SPHERE.name or min(_standing(normal, fit), _lying(normal, fit)) < _ANGLE
+    return fit.kind == SPHERE.name or min(_standing(normal, fit), _lying(normal, fit)) < ANGLE
 
 
 def _standing(normal: Floats, fit: SolidFit) -> float:
@@ -113,6 +113,6 @@ def _mean(normal: Floats, turned: Sequence[SolidFit]) -> Floats:
     spread = np.zeros((3, 3))
     for fit in turned:
         upright = max(standing_axes(fit), key=lambda axis: abs(float(axis @ normal)))
-        if min(_standing(normal, fit), _lying(normal, fit)) < _ANGLE:
-            spread += np.outer(upright, upright) * (1 if _standing(normal, fit) < _ANGLE else -1)
+        if min(_standing(normal, fit), _lying(normal, fit)) < ANGLE:
+            spread += np.outer(upright, upright) * (1 if _standing(normal, fit) < ANGLE else -1)
     return np.asarray(np.linalg.eigh(spread)[1][:, -1])

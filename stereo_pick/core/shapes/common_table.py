@@ -6,7 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.common_normal import (
+    ANGLE,
     BASE,
     common_normal,
     is_upright,
@@ -14,7 +16,7 @@ from stereo_pick.core.shapes.common_normal import (
     near_common_base,
     standing_axes,
 )
-from stereo_pick.core.shapes.kinds import SPHERE
+from stereo_pick.core.shapes.kinds import HEX_PRISM, SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
@@ -23,6 +25,7 @@ _LEAST_SIGMA_M = 0.0003
 _LEAST = 2
 _THIN = 0.2  # height by length of what may be the top of a body only
 _STEEP = np.sin(np.deg2rad(25))  # of the least angle at which a table is looked at
+_STANDS = 0.7  # cosine
 _SURELY = 3.0  # sigmas
 _SUPPOSED_SIGMA_M = 0.001
 
@@ -91,7 +94,16 @@ def hangs_above(table: Table, fit: SolidFit) -> bool:
     What would hang higher than it is itself is rather the lit top of something.
     """
     height_m = fit.reach_m(table.normal) + fit.reach_m(-table.normal)
-    return 0 < _base_m(table, fit) < height_m and is_upright(table.normal, fit)
+    return 0 < _base_m(table, fit) < height_m and is_upright(table.normal, fit) and _is_stable(table.normal, fit)
+
+
+def _is_stable(normal: Floats, fit: SolidFit) -> bool:
+    """Whether a solid would stay as it is if it were put down: a hexagonal prism lies on one of its sides."""
+    across, beside, along = normal @ fit.rotation
+    if fit.kind != HEX_PRISM.name or abs(along) > _STANDS:
+        return True
+    off = np.arctan2(beside, across) % (np.pi / 3) - np.pi / 6  # a side faces 30 degrees from a corner, and every 60
+    return bool(abs(np.sin(off)) < ANGLE)
 
 
 def _base_m(table: Table, fit: SolidFit) -> float:

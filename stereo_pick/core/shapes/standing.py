@@ -14,6 +14,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
+from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -26,6 +27,19 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
     candidates = _candidates(images, [pair for pair in pairs if can_be_fitted(pair)], table)
     images.all_locked([solid for several in candidates.values() for solid in several], table)
     return [_most_supported(images, candidates.get(pair, []), table) for pair in pairs]
+
+
+def standing_alike(
+    images: Images, pairs: Sequence[Pair], fits: Sequence[SolidFit], table: Table
+) -> list[Supported | None]:
+    """The same of objects that solids explain already: of the same kinds, and below the same tops."""
+    candidates = []
+    for pair, fit in zip(pairs, fits):
+        kind = KINDS[fit.kind]
+        on_table = [nearest_of_kind([pair], images.rig, kind, table)[pair, kind][0]] if can_be_fitted(pair) else []
+        candidates.append([*on_table, *(each for each in (down_to(fit.solid, table),) if each is not None)])
+    images.all_locked([solid for several in candidates for solid in several], table)
+    return [_most_supported(images, several, table) for several in candidates]
 
 
 def _most_supported(images: Images, candidates: Sequence[Solids], table: Table) -> Supported | None:

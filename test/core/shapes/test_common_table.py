@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from rigs import rotation
 from solids_on_table import LYING, MIXED, NUTS, UPRIGHT, Standing, fits_on_table, table_of
 
 from stereo_pick.core.shapes import SolidFit
@@ -68,3 +71,11 @@ def test_the_table_is_among_what_one_standing_solid_supposes(tilt_deg: float) ->
 def test_neither_a_ball_nor_a_thin_part_supposes_a_table() -> None:
     thin: Standing = ("cylinder", 0.0, 0.0, 0.0, False, (0.03, 0.003))
     assert supposed_tables([None, *fits_on_table(40, [MIXED[3], thin])]) == []
+
+
+@pytest.mark.parametrize(("roll_deg", "stable"), [(0, True), (60, True), (15, False), (30, False)])
+def test_a_prism_hangs_on_a_side_not_on_an_edge(roll_deg: float, stable: bool) -> None:
+    (fit,) = fits_on_table(40, NUTS[1:2], lifted_m=0.01)
+    assert fit is not None and fit.kind == "hexprism"
+    rolled = replace(fit, rotation=fit.rotation @ rotation((0, 0, np.deg2rad(roll_deg))))
+    assert hangs_above(table_of(40), rolled) == stable
