@@ -25,7 +25,7 @@ from stereo_pick.sources.opening import open_source
 
 _GATE_M = 0.03  # further away an estimate belongs to no true object
 _MAX_MEAN_DEPTH_ERROR_M = 0.0015
-_RATE = 0.2
+_RATE = 0.1  # three pairs a second: a slow or busy machine keeps up, too
 
 _DESCRIPTION = """\
 Replay the demo bag (a rendered conveyor scene with exactly known positions) through the four nodes, each a process of
