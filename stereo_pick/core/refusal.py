@@ -14,7 +14,7 @@ REASONS = {
     "merged": "its outline has a deep notch: touching parts, a half-lit part, or a part that is not convex",
     "half_lit": "its outline shows only a part of it: the rest is as bright as what is behind it",
     "flat": "it shows one flat face only: the lit top of a body, or a flat part (set flat_parts if yours are flat)",
-    "off_table": "what fits it neither stands on the table of the other objects nor can hang above it (feature.table)",
+    "off_table": "what fits it neither stands on the table (feature.table) nor can hang above it",
     "no_solid": "its top or surface (reference_point) is not known: no solid explains it, or which way is up is open",
     "left_only": "no object in the right view fits it",
     "right_only": "no object in the left view fits it",

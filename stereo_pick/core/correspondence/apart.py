@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 
 from stereo_pick.core.correspondence.cut_together import Way, ways_to_cut
 from stereo_pick.core.correspondence.located import TOP, is_flat
-from stereo_pick.core.correspondence.position import BlobPair, Located
+from stereo_pick.core.correspondence.overlap import one_in_each_place
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.splitting import split
-
-Row = tuple[BlobPair, Located]
 
 _ROUNDS = 3  # a part may still be several
 _TRIED = 4  # ways to cut the same objects
@@ -69,7 +68,8 @@ def _once(blobs: Blobs, dealt_with: Collection[Blob], matching: Matching) -> tup
 
 def _opened(blobs: Blobs, parts: dict[Blob, list[Blob]], rows: list[Row]) -> tuple[Blobs, dict[BlobPair, Located]]:
     """The objects, those of which parts are found in parts, and what became of these."""
-    rows, repeated = _different(rows)
+    rows, again = one_in_each_place(rows)  # a half-lit part has a notch, too, and either half may tell the whole of it
+    repeated = {blob for each, _ in again for blob in each}
     found = {blob for each, where in rows if not where.reason for blob in each}
     opened = {
         whole: [part for part in its if part not in repeated]
@@ -122,22 +122,6 @@ def _together(sides: Sequence[Sequence[Blob]], matching: Matching) -> list[tuple
             found.append((way, list(both)))
             taken |= way.cut
     return found
-
-
-def _different(rows: Sequence[Row]) -> tuple[list[Row], set[Blob]]:
-    """The rows without those that show the body of a surer one, and the objects of the latter.
-
-    A part of which one side is hardly lit has a notch, too, and either half may tell the whole of it.
-    """
-    kept: list[Row] = []
-    repeated: set[Blob] = set()
-    for row in sorted(rows, key=lambda row: row[1].sigma_px):
-        fit = row[1].fit
-        if fit is not None and any(where.fit is not None and fit.overlaps(where.fit) for _, where in kept):
-            repeated.update(row[0])
-        else:
-            kept.append(row)
-    return kept, repeated
 
 
 def _parts(blob: Blob, max_concavity: float) -> list[Blob]:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
-from stereo_pick.core.correspondence.apart import Matching, Row, taken_apart
+from stereo_pick.core.correspondence.apart import Matching, taken_apart
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
@@ -19,7 +18,7 @@ from stereo_pick.core.correspondence.located import locate
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.on_table import SecondLook, lit_parts
 from stereo_pick.core.correspondence.overlap import one_in_each_place
-from stereo_pick.core.correspondence.position import BlobPair, Located
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.errors import ArrayError, ParameterError
@@ -88,11 +87,10 @@ class Feature(Method):
         """Read the table, if it is given."""
         super().__post_init__()
         try:
-            self._given_table  # noqa: B018
+            self._given_table()
         except ArrayError as error:
             raise ParameterError(f"table = {self.table!r}: {error}") from None
 
-    @cached_property
     def _given_table(self) -> Table | None:
         return None if self.table in (FOUND, NONE) else Table.parsed(self.table)
 
@@ -148,10 +146,10 @@ class Feature(Method):
     ) -> tuple[list[Row], list[Row], Table | None]:
         """What is found with the table, what is refused because of it, and the table."""
         if not _have_edges(blobs):
-            return kept, [], self._given_table
+            return kept, [], self._given_table()
         left, right = (_without(side, _blobs_of(kept) + unclear) for side in (blobs.left, blobs.right))
         look = SecondLook(images, lit_parts(left, right, self.disparities_px(images.rig)), self.flat_parts)
-        table = self._given_table
+        table = self._given_table()
         if self.table == FOUND:
             table = common_table([where.fit for _, where in kept]) or look.verified_table(kept)
         return (kept, [], None) if table is None else (*look.seen_on(table, kept), table)

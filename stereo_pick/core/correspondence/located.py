@@ -16,7 +16,7 @@ from stereo_pick.core.objects.blob import CUT, SHARP
 from stereo_pick.core.objects.splitting import may_be_two
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, fit_solids
-from stereo_pick.core.shapes.fitting import Pair, best_of_kind, can_be_fitted
+from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 
@@ -116,7 +116,7 @@ def _unless_flat(rig: StereoRig, blobs: BlobPair, located: Located) -> Located:
 
 def is_flat(fit: SolidFit, flat: float = _FLAT) -> bool:
     """Whether a solid is so thin that it may be a print, or the lit top of another."""
-    return float(fit.size_m.min()) < flat * float(fit.size_m.max())
+    return fit.flatness < flat
 
 
 def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> Supported | None:
@@ -129,7 +129,7 @@ def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> S
         return images.contradicts(fit.solid)
     if min(float(np.median(blob.sharpness)) for blob in blobs) < _SHARP_LIMB:
         return None
-    longer = images.contradicts(best_of_kind(outlines, images.rig, CYLINDER)[0])
+    longer = images.contradicts(images.of_kind(outlines, CYLINDER)[0])
     return longer if longer is not None and longer.believable else None
 
 

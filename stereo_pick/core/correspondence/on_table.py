@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from stereo_pick.core.correspondence.apart import Row
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.frontier import reaches_down
 from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
 from stereo_pick.core.correspondence.overlap import is_apart
-from stereo_pick.core.correspondence.position import BlobPair, Located, by_solid
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_solid
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
@@ -51,15 +50,12 @@ class SecondLook:
         kept: what was found without the table; what is sure and stands on it stays. What is sure but hangs clear
         of it is looked for as one of its own kind. All else, and the pairs, is looked for as solids on the table.
         """
-        sure = [_is_sure(where, table) for _, where in kept]
-        found = [row for row, stays in zip(kept, sure) if stays]
+        found, unsure = _divided(kept, lambda where: _is_sure(where, table))
         refused: list[Row] = []
-        unsure = [row for row, stays in zip(kept, sure) if not stays]
-        hanging = [row for row in unsure if _hangs(row[1], table)]
-        unsure = hanging + [row for row in unsure if not _hangs(row[1], table)]
-        standing_there = self._alike_on(table, hanging) + self._on(
-            table, [blobs for blobs, _ in unsure[len(hanging) :]] + list(self.pairs)
-        )
+        hanging, open_ = _divided(unsure, lambda where: _hangs(where, table))
+        unsure = hanging + open_
+        standing_there = self._alike_on(table, hanging)
+        standing_there += self._on(table, [*(blobs for blobs, _ in open_), *self.pairs])
         without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(unsure, standing_there)])
         for (blobs, where), on_it, in_the_air in zip(unsure, standing_there, without):
             again = self._weighed(table, blobs, where, on_it, in_the_air)
@@ -112,6 +108,11 @@ def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple
     """What may be the lit parts of the same objects."""
     cost = Similarity(_ROWS_PX, _OF_HEIGHT, _AREA_RATIO, disparities_px).costs(left, right)
     return [(left[i], right[j]) for i, j in assign(cost, unmatched_cost=1.0)]
+
+
+def _divided(rows: Sequence[Row], is_so: Callable[[Located], bool]) -> tuple[list[Row], list[Row]]:
+    """Those of which it is so, and the others."""
+    return [row for row in rows if is_so(row[1])], [row for row in rows if not is_so(row[1])]
 
 
 def _is_sure(where: Located, table: Table) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from stereo_pick.core.correspondence.apart import Row
+from stereo_pick.core.correspondence.position import Row
 from stereo_pick.core.shapes import SolidFit
 
 

@@ -10,7 +10,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, centroid_px
-from stereo_pick.core.shapes.hypotheses import Supported
+from stereo_pick.core.shapes.hypotheses import BODY, Supported
 
 _ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point ...
 _USUAL_PX = 0.085  # ... by more where it lies farther than this from the solid that explains it
@@ -18,7 +18,6 @@ _BY_SOLID_SIGMA_PX = 0.13  # of a solid's edges as a whole
 _MISSING = np.pi / 6  # see `_missing_sigma_px`
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _DISAGREE = 2.5  # sigmas
-_BODY = 0.3  # thickness by length of what is no lit face
 
 BlobPair = tuple[Blob, Blob]
 
@@ -33,6 +32,10 @@ class Located:
     sigma_px: float
     fit: SolidFit | None
     reason: str = ""
+
+
+Row = tuple[BlobPair, Located]
+"""An object's outlines, and where it is."""
 
 
 def by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Located:
@@ -62,7 +65,7 @@ def by_stretched(rig: StereoRig, fit: SolidFit, longer: Supported) -> Located:
     """The longer solid's centre; where the shorter one is a body, too, and its shadow may be what was found beyond it,
     no surer than the two agree."""
     found = by_solid(rig, longer.fit, longer.support)
-    if fit.size_m.min() < _BODY * fit.size_m.max():
+    if fit.flatness < BODY:
         return found
     off_px = float(np.linalg.norm(longer.fit.centre_px(rig.left) - fit.centre_px(rig.left)))
     return replace(found, sigma_px=float(np.hypot(found.sigma_px, off_px / 2)))

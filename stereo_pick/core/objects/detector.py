@@ -79,14 +79,17 @@ class Detector(Configurable):
         """Read the background file, if it is there already; a node may still have to learn it."""
         super().__post_init__()
         if self.background_file and Path(self.background_file).exists():
-            try:
-                self._learned  # noqa: B018
-            except ImageError as error:
-                raise ParameterError(str(error)) from None
+            self._read_background()
 
     @cached_property
     def _learned(self) -> LearnedBackground | None:
         return load_background(Path(self.background_file)) if self.background_file else None
+
+    def _read_background(self) -> LearnedBackground | None:
+        try:
+            return self._learned
+        except ImageError as error:
+            raise ParameterError(str(error)) from None
 
     def detect(self, pair: RectifiedPair) -> Blobs:
         """Return the objects of both views, left to right.

@@ -23,6 +23,7 @@ from stereo_pick.core.shapes.table import Table
 _AXIS_RAD = np.deg2rad(0.5)  # sigma of one solid's axis
 _LEAST_SIGMA_M = 0.0003
 _LEAST = 2
+_BESIDE_M = 0.1  # from the middle of the solids that show the table, where others may stand
 _THIN = 0.2  # height by length of what may be the top of a body only
 _STEEP = np.sin(np.deg2rad(25))  # of the least angle at which a table is looked at
 _STANDS = 0.7  # cosine
@@ -56,7 +57,7 @@ def common_table(fits: Sequence[SolidFit | None]) -> Table | None:
     off = ((feet_m - middle) @ normal) / sigma_m + rows @ found
     worse = max(1.0, float(np.sqrt((off**2).mean())))
     offset_m = (float(found[2]) - float(middle @ tilted)) / float(np.linalg.norm(tilted))
-    sigma = float(np.sqrt(covariance[2, 2] + covariance[0, 0] * 0.1**2)) * worse
+    sigma = float(np.sqrt(covariance[2, 2] + covariance[:2, :2].trace() / 2 * _BESIDE_M**2)) * worse
     return Table(tilted / np.linalg.norm(tilted), offset_m, sigma)
 
 
@@ -67,7 +68,7 @@ def supposed_tables(fits: Sequence[SolidFit | None]) -> list[Table]:
     """
     tables = []
     for fit in fits:
-        if fit is None or fit.kind == SPHERE.name or fit.size_m.min() < _THIN * fit.size_m.max():
+        if fit is None or fit.kind == SPHERE.name or fit.flatness < _THIN:
             continue
         ahead = fit.centre_m / np.linalg.norm(fit.centre_m)
         for axis in standing_axes(fit):

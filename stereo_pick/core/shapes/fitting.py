@@ -120,11 +120,6 @@ def nearest_of_kind(pairs: Sequence[Pair], rig: StereoRig, kind: Kind, table: Ta
     return _one_by_one(pairs, _searched(Sight.of(pairs, rig, table), kind, _ALL_OF[kind]))
 
 
-def best_of_kind(pair: Pair, rig: StereoRig, kind: Kind, table: Table | None = None) -> tuple[Solids, float]:
-    """The solid (S = 1) of one kind that comes nearest to an object's outlines, and its misfit [px], however large."""
-    return nearest_of_kind([pair], rig, kind, table)[pair, kind]
-
-
 def can_be_fitted(pair: Pair) -> bool:
     """Whether both outlines have enough points that show the object's own edge."""
     return all((side.weight * (1 - side.corner)).sum() >= _LEAST_TRUSTED for side in pair)

@@ -28,7 +28,7 @@ _PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a 
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
 _SHOWN_BEYOND = 0.5  # part of what a solid adds to the outlines that must lie on edges
 CHANCE = 1 / 12  # by which the support of two solids that share most of their silhouettes may differ
-_BODY = 0.3  # thickness by length of what is no lit face
+BODY = 0.3  # thickness by length of what is no lit face
 _RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
 _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
 
@@ -158,7 +158,7 @@ class Images:
         if longer is None or not longer.raises_doubt:
             return None
         sizes = solid.size_m()[0]
-        is_body = float(sizes.min()) > _BODY * float(sizes.max())
+        is_body = float(sizes.min()) > BODY * float(sizes.max())
         return None if is_body and longer.support < self.locked(solid).support - CHANCE else longer
 
     def hides_a_side(self, pair: Pair) -> bool:

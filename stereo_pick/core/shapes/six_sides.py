@@ -49,4 +49,4 @@ def _prisms(cylinders: Solids) -> Solids:
     rotation = (cylinders.rotation[:, None] @ turned(np.pi / 3, _TURNS)).reshape(-1, 3, 3)
     half_m: Floats = np.repeat(cylinders.half_m, _TURNS, axis=0) * (_ACROSS_FLATS, 1.0)
     centre_m = np.repeat(cylinders.centre_m, _TURNS, axis=0)
-    return Solids(HEX_PRISM, centre_m, rotation, half_m, np.broadcast_to(np.eye(3), rotation.shape))
+    return Solids(HEX_PRISM, centre_m, rotation, half_m, np.zeros((len(half_m), 3, 0))).turning_freely()

@@ -48,6 +48,11 @@ class SolidFit:
         half_m = np.array([[(self.size_m / kind.spans)[kind.axes.index(i)] / 2 for i in range(kind.sizes)]])
         return Solids(kind, self.centre_m[None], self.rotation[None], half_m, np.zeros((1, 3, 0)))
 
+    @property
+    def flatness(self) -> float:
+        """Its least size as a part of its greatest."""
+        return float(self.size_m.min() / self.size_m.max())
+
     def reach_m(self, direction: Floats) -> float:
         """How far the solid reaches from its centre in a direction (3,), a unit vector of the rectified left frame."""
         solid, own = self.solid, direction @ self.rotation

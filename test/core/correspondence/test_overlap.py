@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.apart import Row
 from stereo_pick.core.correspondence.overlap import is_apart, one_in_each_place
-from stereo_pick.core.correspondence.position import Located
+from stereo_pick.core.correspondence.position import Located, Row
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes import SolidFit
 
