@@ -18,7 +18,7 @@ from stereo_pick.core.correspondence.located import locate
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.on_table import SecondLook, lit_parts
 from stereo_pick.core.correspondence.overlap import one_in_each_place
-from stereo_pick.core.correspondence.position import BlobPair, Located, Row
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row, with_dark_ends
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.errors import ArrayError, ParameterError
@@ -133,6 +133,7 @@ class Feature(Method):
         lost = [row for row in lost if not _any_of(row[0], _blobs_of(kept)) and _all_of(row[0], blobs)]
         refused = [Refusal(where.reason, where.left_px, where.right_px) for _, where in lost]
         refused += [Refusal("ambiguous", left.centroid_px, right.centroid_px) for left, right in doubtful]
+        kept = [(each, with_dark_ends(images.rig, each, where)) for each, where in kept]
         normal = table.normal if table else common_normal([where.fit for _, where in kept])
         kept, unknown = self._of_known_reference(kept, normal)
         refused += [Refusal("no_solid", where.left_px, where.right_px) for _, where in unknown]

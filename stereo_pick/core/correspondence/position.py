@@ -8,9 +8,12 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.objects import Blob
+from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, centroid_px
 from stereo_pick.core.shapes.hypotheses import BODY, Supported
+from stereo_pick.core.shapes.kinds import CYLINDER
+from stereo_pick.core.shapes.rims import to_rims
 
 _ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point ...
 _USUAL_PX = 0.085  # ... by more where it lies farther than this from the solid that explains it
@@ -81,6 +84,15 @@ def by_solid(rig: StereoRig, fit: SolidFit, shown: float) -> Located:
     spread = float(np.linalg.eigvals(np.linalg.solve(per_px2, fit.covariance)).real.max())
     missing_px = _missing_sigma_px(fit, shown, rig.focal_px)
     return Located(left_px, right_px, float(np.sqrt(_BY_SOLID_SIGMA_PX**2 + missing_px**2 + spread)), fit)
+
+
+def with_dark_ends(rig: StereoRig, blobs: BlobPair, where: Located) -> Located:
+    """The same, of a cylinder whose outlines leave an end out because its face is as dark as the table."""
+    if where.fit is None or where.fit.kind != CYLINDER.name:
+        return where
+    whole = to_rims(where.fit, rig, [blob.contour_px[blob.sharpness >= SHARP] for blob in blobs])
+    left_px, right_px = (whole.centre_px(camera) - where.fit.centre_px(camera) for camera in (rig.left, rig.right))
+    return replace(where, left_px=where.left_px + left_px, right_px=where.right_px + right_px, fit=whole)
 
 
 def _missing_sigma_px(fit: SolidFit, shown: float, focal_px: float) -> float:

@@ -1,7 +1,8 @@
-"""Where in a profile of grey levels a surface ends: a blurred step, with the shading of the surface behind it.
+"""Where in a profile of grey levels a surface ends: a blurred step, with the shading of a surface beside it.
 
 The half-way level misplaces the limb of a rounded part by half a pixel: its surface turns away from the light
-towards the limb, so the grey level half-way up belongs to a point well inside.
+towards the limb, so the grey level half-way up belongs to a point well inside. Outside of a dark part it is the other
+way round: what it stands on lies in its shadow, more so the nearer.
 """
 
 from __future__ import annotations
@@ -12,16 +13,19 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Bools, Floats, Ints
 
 STEP_PX = 0.5
-OFFSETS_PX = np.arange(-3.0, 4.01, STEP_PX)  # outside to inside
+OFFSETS_PX = np.arange(-4.0, 4.01, STEP_PX)  # outside to inside
 BLURS_PX = tuple(float(blur) for blur in np.geomspace(0.5, 2.0, 18))
 
 _EDGE_STEP_PX = 0.2
 _EDGES_PX = np.arange(-1.2, 1.21, _EDGE_STEP_PX)
 _FINE_PX = 0.05
-_FREEDOM = len(OFFSETS_PX) - 4
+_SIDE = 4  # samples that show the level of one side
+_PLAIN = 2  # outermost samples on the side without shading that may show something else
+_MODELLED_PX = OFFSETS_PX[_PLAIN:]
+_FREEDOM = len(_MODELLED_PX) - 4
 # Behind the edge of a flat face the light changes linearly with the distance, behind the limb of a round one with
 # its square root (Lambert): one power for both.
 _SHADING_POWER = 0.75
@@ -40,9 +44,33 @@ class Edges:
     squares: Floats
 
 
-def find_edges(profiles: Floats, blur_px: float) -> Edges:
-    """Explain profiles (N, len(OFFSETS_PX)) by least squares: the level outside, a step, the shading behind it, for
-    each of a grid of places."""
+def find_edges(profiles: Floats, blur_px: float, part: Ints | None = None) -> Edges:
+    """Explain profiles (N, len(OFFSETS_PX)) by least squares: the level outside, a step, the shading behind it;
+    or before it, where that explains more of the edge of a dark part.
+
+    part: the number (N,) of the part that each belongs to, of one and the same where it is not given.
+    """
+    if part is None:
+        part = np.zeros(len(profiles), np.int64)
+    edges = _shaded_behind(profiles[:, _PLAIN:], blur_px)
+    darker = np.flatnonzero((edges.step < 0) & _is_dark(edges, part))
+    if not len(darker):
+        return edges
+    before = _shaded_behind(profiles[darker, ::-1][:, _PLAIN:], blur_px)
+    better = before.squares < edges.squares[darker]
+    turned = -before.place_px, -before.step, -before.sharpness, before.squares
+    for known, other in zip((edges.place_px, edges.step, edges.sharpness, edges.squares), turned):
+        known[darker[better]] = other[better]
+    return edges
+
+
+def _is_dark(edges: Edges, part: Ints) -> Bools:
+    """Whether most edges of the part that each (N,) belongs to are darker inside."""
+    return np.asarray((np.bincount(part, np.sign(edges.step)) < 0)[part])
+
+
+def _shaded_behind(profiles: Floats, blur_px: float) -> Edges:
+    """The same of profiles (N, len(_MODELLED_PX)) with shading behind the step, for each of a grid of places."""
     model = _model(blur_px)
     change = profiles - profiles.mean(axis=1, keepdims=True)
     first, second = change @ model.first, change @ model.second
@@ -62,11 +90,18 @@ def find_edges(profiles: Floats, blur_px: float) -> Edges:
 
 def best_blur_px(profiles: Floats) -> float:
     """The blur (one sigma) with which these profiles (N, len(OFFSETS_PX)) are explained best, all together."""
+    best = _explained(profiles[:, _PLAIN:])
+    darker = profiles[:, -_SIDE:].sum(axis=1) < profiles[:, :_SIDE].sum(axis=1)
+    best[darker] = np.maximum(best[darker], _explained(profiles[darker, ::-1][:, _PLAIN:]))
+    return BLURS_PX[int(best.sum(axis=0).argmax())]
+
+
+def _explained(profiles: Floats) -> NDArray[np.float32]:
+    """How much (N, len(BLURS_PX)) of profiles (N, len(_MODELLED_PX)) shading behind a step explains with each blur."""
     change = (profiles - profiles.mean(axis=1, keepdims=True)).astype(np.float32)
     first, second = _all_models()
     explained = (change @ first) ** 2 + (change @ second) ** 2
-    best = explained.reshape(len(change), -1, len(BLURS_PX)).max(axis=1)
-    return BLURS_PX[int(best.sum(axis=0).argmax())]
+    return np.asarray(explained.reshape(len(change), len(_EDGES_PX) - 2, len(BLURS_PX)).max(axis=1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +119,7 @@ class _Model:
 def _model(blur_px: float) -> _Model:
     bases, solve = [], []
     for place_px in _EDGES_PX:
-        inside = OFFSETS_PX - place_px
+        inside = _MODELLED_PX - place_px
         shading = _blurred(_SHADING_POWER, inside, blur_px) / inside[-1] ** _SHADING_POWER
         model = np.stack([_blurred(0.0, inside, blur_px), shading], axis=1)
         basis, triangle = np.linalg.qr(model - model.mean(axis=0))

@@ -47,6 +47,10 @@ class Rings:
         """Values (N, ...) contour by contour."""
         return np.split(values, self.first[1:])
 
+    def numbers(self) -> Ints:
+        """The number (N,) of each point's contour."""
+        return np.repeat(np.arange(len(self.first)), np.diff(self.first, append=len(self.points_px)))
+
     def smoothed(self, values: Floats) -> Floats:
         """Values (N, M) along the contours, each averaged with its neighbours."""
         smooth = cv2.filter2D(values[self.wrapped], cv2.CV_64F, _KERNEL, borderType=cv2.BORDER_REPLICATE)

@@ -41,7 +41,7 @@ def trace_silhouettes(image: Image, contours_px: Sequence[Floats], min_contrast:
     normals = rings.inward_normals()
     profiles = rings.smoothed(_profiles(image, rings.points_px, normals, OFFSETS_PX))
     blur_px = best_blur_px(profiles[:: max(1, len(profiles) // _PROFILES_FOR_BLUR)])
-    edges = find_edges(profiles, blur_px)
+    edges = find_edges(profiles, blur_px, rings.numbers())
     clear = profiles.max(axis=1) - profiles.min(axis=1) >= min_contrast
     points = rings.points_px + np.where(clear, edges.place_px, 0.0)[:, None] * normals
     sharpness = np.where(clear, edges.sharpness, 0.0)

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Image
+from stereo_pick.core.arrays import Image
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.beyond import Contour, shown_beyond
@@ -30,6 +30,7 @@ _SHOWN_BEYOND = 0.5  # part of what a solid adds to the outlines that must lie o
 CHANCE = 1 / 12  # by which the support of two solids that share most of their silhouettes may differ
 BODY = 0.3  # thickness by length of what is no lit face
 _RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
+_UNKNOWN_M2 = np.eye(3)  # covariance of the centre where nothing holds it
 _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
 
 
@@ -175,7 +176,8 @@ def _supported(locked: Locked, row: int, table: Table | None) -> Supported:
     residual = np.abs(fit.residual_px[fit.weight > 0])
     median_px = float(np.median(residual)) if len(residual) else np.inf
     support = float(locked.shown[row].min())
-    covariance: Floats = centre_covariance(fit, max(NOISE_PX, 1.5 * median_px), table)[0]
+    known = np.isfinite(median_px)
+    covariance = centre_covariance(fit, max(NOISE_PX, 1.5 * median_px), table)[0] if known else _UNKNOWN_M2
     solids = fit.solids
     result = SolidFit(
         solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance

@@ -20,7 +20,7 @@ from stereo_pick.core.shapes.table import Table
 
 _ROUNDS = 4
 _SHIFTS_PX = (0.0, -1.2, 1.2)
-_MIDDLE_PX = float(OFFSETS_PX.mean())
+_MIDDLE_PX = 0.5
 _BLUR_PX = 0.85
 _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
@@ -74,11 +74,12 @@ def _edges_near(
     shape = points_px.shape[:-1]
     points_px, normals = points_px.reshape(-1, 2), normals.reshape(-1, 2)
     best = np.zeros((3, len(points_px)))
+    solid = np.repeat(np.arange(shape[0]), shape[1])
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
         at = (points_px[:, None] - inwards[:, None] * normals[:, None]).astype(np.float32)
         profiles = cv2.remap(image, at[..., 0], at[..., 1], cv2.INTER_LINEAR).astype(np.float64)
-        edges = find_edges(profiles, _BLUR_PX)
+        edges = find_edges(profiles, _BLUR_PX, solid)
         offset = edges.place_px - _MIDDLE_PX + shift
         best = np.where(
             np.abs(edges.step) * (1 + 0 * offset) > best[2], [offset, _trust(edges, noise), np.abs(edges.step)], best

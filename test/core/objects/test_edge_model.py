@@ -49,6 +49,26 @@ def test_a_limb_is_found_where_it_is_and_not_half_way_up(blur_px: float) -> None
     assert (found.sharpness > 0.4).all() and (found.sharpness < 0.95).all()
 
 
+def in_shade(place_px: float, blur_px: float, width_px: float) -> Floats:
+    """A black part on white paper that it darkens, most so at its foot."""
+    before = np.clip(place_px - FINE, 0, width_px) / width_px
+    return blurred(np.where(place_px < FINE, 20.0, 90 + 110 * np.sqrt(before)), blur_px)
+
+
+@pytest.mark.parametrize("blur_px", [0.6, 0.9, 1.4])
+@pytest.mark.parametrize("width_px", [8.0, 12.0, 25.0])
+def test_a_dark_part_ends_where_its_shadow_begins(blur_px: float, width_px: float) -> None:
+    found = find_edges(np.array([in_shade(place, blur_px, width_px) for place in PLACES]), blur_px)
+    assert np.abs(found.place_px - PLACES).max() < 0.15
+    assert (found.step < 0).all() and (found.sharpness < -0.3).all()
+
+
+@pytest.mark.parametrize("blur_px", [0.6, 0.9, 1.4])
+def test_shade_tells_the_blur_as_well(blur_px: float) -> None:
+    found = best_blur_px(np.array([in_shade(place, blur_px, 10.0) for place in PLACES]))
+    assert abs(np.log(found / blur_px)) < 1.6 * np.log(BLURS_PX[1] / BLURS_PX[0])
+
+
 def test_light_that_only_fades_is_not_sharp() -> None:
     ramps = np.array([np.clip((OFFSETS_PX - start) / width, 0, 1) * 60 + 50 for start in (-3, -1) for width in (7, 15)])
     assert (np.abs(find_edges(ramps, 0.8).sharpness) < 0.25).all()

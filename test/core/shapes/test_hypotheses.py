@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rendered_solids import half_lit_scene, rectified, solid_of
@@ -36,3 +38,11 @@ def test_a_piece_of_a_body_is_told_by_the_edges_beyond_it(height_m: float, sides
     piece = solid_of(RIG, scene, PART, height_m=height_m)
     longer = Images(rectified(RIG, scene)).contradicts(piece)
     assert longer is not None and longer.fit.size_m[2] > PART.height_m - 1e-3
+
+
+def test_where_no_view_shows_an_edge_nothing_is_believed() -> None:
+    scene = half_lit_scene([PART], TABLE, 0.1)
+    pair = rectified(RIG, scene)
+    dark = replace(pair, left=np.zeros_like(pair.left), right=np.zeros_like(pair.right))
+    found = Images(dark).locked(solid_of(RIG, scene, PART).turning_freely())
+    assert not found.believable and not found.raises_doubt and found.support == 0
