@@ -67,8 +67,12 @@ def _locate(
         return _refused(blobs, "merged")
     if max(blob.cut_share for blob in blobs) > _MAY_BE_CUT:
         return _refused(blobs, "merged")
-    half_lit = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(b.fading for b in blobs) > _FADES
-    if half_lit or fading > _MAY_FADE_UNEXPLAINED or (can_be_fitted(outlines) and images.hides_a_side(outlines)):
+    half_lit = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(b.fading_notch for b in blobs) > _FADES
+    if (
+        half_lit
+        or sum(b.fading for b in blobs) / 2 > _MAY_FADE_UNEXPLAINED
+        or (can_be_fitted(outlines) and images.hides_a_side(outlines))
+    ):
         return _refused(blobs, "half_lit")
     return by_outlines(images.rig, blobs, None)
 

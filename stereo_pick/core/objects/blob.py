@@ -81,6 +81,12 @@ class Blob:
         return float((own < SHARP).mean()) if len(own) else 0.0
 
     @property
+    def fading_notch(self) -> float:
+        """The part of the outline where light fades in a notch."""
+        fades = (self.sharpness > CUT) & (self.sharpness < SHARP) & ~self.on_hull
+        return float(fades.mean()) if len(fades) else 0.0
+
+    @property
     def cut_share(self) -> float:
         """The part of the outline that lies on a cut."""
         return float((self.sharpness <= CUT).mean()) if len(self.sharpness) else 0.0

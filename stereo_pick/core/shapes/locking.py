@@ -11,6 +11,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges, find_edges
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.foot import shadow_px
 from stereo_pick.core.shapes.outline import POINTS, Outline
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
@@ -70,10 +71,13 @@ def lock(
 def _edges_near(
     image: Image, points_px: Floats, normals: Floats, noise: float, shifts_px: Sequence[float]
 ) -> tuple[Floats, Floats]:
-    """Offset (S, N) [px, inwards] of the clearest edge near each point (S, N, 2), and the trust in it (S, N)."""
+    """Offset (S, N) [px, inwards] of the clearest edge near each point (S, N, 2), and the trust in it (S, N).
+
+    Where that is the outer edge of a narrow shadow, the part ends behind it.
+    """
     shape = points_px.shape[:-1]
     points_px, normals = points_px.reshape(-1, 2), normals.reshape(-1, 2)
-    best = np.zeros((3, len(points_px)))
+    best = np.zeros((4, len(points_px)))
     solid = np.repeat(np.arange(shape[0]), shape[1])
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
@@ -82,8 +86,11 @@ def _edges_near(
         edges = find_edges(profiles, _BLUR_PX, solid)
         offset = edges.place_px - _MIDDLE_PX + shift
         best = np.where(
-            np.abs(edges.step) * (1 + 0 * offset) > best[2], [offset, _trust(edges, noise), np.abs(edges.step)], best
+            np.abs(edges.step) > best[2], [offset, _trust(edges, noise), np.abs(edges.step), edges.step], best
         )
+    darker = np.flatnonzero((best[3] < 0) & (best[1] > 0))
+    edges_px = points_px[darker] - best[0, darker, None] * normals[darker]
+    best[0, darker] += shadow_px(image, edges_px, -normals[darker], best[2, darker], noise)
     return best[0].reshape(shape), best[1].reshape(shape)
 
 

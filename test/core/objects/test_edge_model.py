@@ -66,7 +66,7 @@ def test_a_dark_part_ends_where_its_shadow_begins(blur_px: float, width_px: floa
 @pytest.mark.parametrize("blur_px", [0.6, 0.9, 1.4])
 def test_shade_tells_the_blur_as_well(blur_px: float) -> None:
     found = best_blur_px(np.array([in_shade(place, blur_px, 10.0) for place in PLACES]))
-    assert abs(np.log(found / blur_px)) < 1.6 * np.log(BLURS_PX[1] / BLURS_PX[0])
+    assert abs(np.log(found / blur_px)) < 2 * np.log(BLURS_PX[1] / BLURS_PX[0])
 
 
 def test_light_that_only_fades_is_not_sharp() -> None:
