@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from stereo_pick.core.objects.learned import LearnedBackground, LearnedView, adj
 from stereo_pick.core.objects.outline import outlines
 from stereo_pick.core.objects.shadow import Shadows
 from stereo_pick.core.objects.silhouette import trace_silhouettes
+from stereo_pick.core.objects.surfaces import surfaces, without_others
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.params import Configurable, parameter
 
@@ -102,7 +104,10 @@ class Detector(Configurable):
             learned.check(pair.rig)
         left = self._contrast(pair.left, pair.rig.left, learned.left if learned else None)
         right = self._contrast(pair.right, pair.rig.right, learned.right if learned else None)
-        best = self._read(left, right, self.polarity) if self.polarity != "auto" else self._clearer(left, right)
+        if learned is None and self.threshold == "background":
+            left, right, best = self._on_the_table(left, right)
+        else:
+            best = self._best(left, right)
         found = Blobs(
             self._finished(best.left, left, best.polarity),
             self._finished(best.right, right, best.polarity),
@@ -120,6 +125,22 @@ class Detector(Configurable):
     def _view_fault(self, blobs: tuple[Blob, ...], contrast: Contrast) -> str:
         least = max(float(self.min_contrast), self.threshold_sigma * contrast.background.sigma)
         return view_fault(contrast.view, blobs, least)
+
+    def _best(self, left: Contrast, right: Contrast) -> Blobs:
+        return self._read(left, right, self.polarity) if self.polarity != "auto" else self._clearer(left, right)
+
+    def _on_the_table(self, left: Contrast, right: Contrast) -> tuple[Contrast, Contrast, Blobs]:
+        """What stands on the background of each view; or, where another surface covers much of a view, on that one if
+        clearly more does. Objects are seen in both views."""
+        sides = [surfaces(side, self.threshold_sigma) for side in (left, right)]
+        if all(len(side) == 1 for side in sides):
+            return left, right, self._best(left, right)
+        ways = list(product(*sides))
+        seen = [_seen_by_both(self._best(*way)) for way in ways]
+        most = int(np.argmax(seen))
+        table = ways[most] if seen[most] > _SAFE_LEAD * seen[0] else ways[0]
+        one, other = (without_others(chosen, side) for chosen, side in zip(table, sides))
+        return one, other, self._best(one, other)
 
     def _clearer(self, left: Contrast, right: Contrast) -> Blobs:
         """The reading of more contrast energy; the one that promises less is left out where it can't win."""
@@ -186,4 +207,12 @@ def _within(place_px: float, first_px: int, size_px: int) -> bool:
 
 
 def _contrast_energy(blobs: Blobs) -> float:
-    return sum(blob.area_px2 * blob.contrast**2 for blob in blobs.left + blobs.right if not blob.cut)
+    return _energy(blobs.left) + _energy(blobs.right)
+
+
+def _seen_by_both(blobs: Blobs) -> float:
+    return min(_energy(blobs.left), _energy(blobs.right))
+
+
+def _energy(blobs: tuple[Blob, ...]) -> float:
+    return sum(blob.area_px2 * blob.contrast**2 for blob in blobs if not blob.cut)

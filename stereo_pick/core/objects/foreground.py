@@ -25,7 +25,8 @@ class Contrast:
     """A view beside its background, before it is said whether objects are bright or dark.
 
     background: the empty surface; threshold: the excess [grey levels] from which a pixel may belong to an object,
-    above and below it; trims: whether glow and shadow can be told from objects.
+    above and below it; trims: whether glow and shadow can be told from objects; beyond: (h, w), 1 where another surface
+    lies beside the table, None where there is none.
     """
 
     view: View
@@ -33,6 +34,7 @@ class Contrast:
     bright_threshold: float
     dark_threshold: float
     trims: bool
+    beyond: Image | None = None
 
     def threshold(self, polarity: str) -> float:
         """The excess from which a pixel may belong to an object of this polarity [grey levels]."""
@@ -90,6 +92,8 @@ def foreground(contrast: Contrast, polarity: str) -> Foreground:
     level = contrast.background.at(np.s_[:, :], limit if bright else -limit)
     mask = contrast.view.smooth > level if bright else contrast.view.smooth < level
     mask &= contrast.view.inside
+    if contrast.beyond is not None:
+        mask &= contrast.beyond == 0
     return Foreground(contrast, polarity, mask.view(np.uint8), _TRIM[polarity] if contrast.trims else 0.0)
 
 
