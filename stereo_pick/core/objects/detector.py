@@ -215,4 +215,6 @@ def _seen_by_both(blobs: Blobs) -> float:
 
 
 def _energy(blobs: tuple[Blob, ...]) -> float:
-    return sum(blob.area_px2 * blob.contrast**2 for blob in blobs if not blob.cut)
+    """At least so much is the sum of the squared contrasts of all pixels, of which half have the contrast and a tenth
+    the peak of their object: most of a body may be its dark side."""
+    return sum(blob.area_px2 * (0.4 * blob.contrast**2 + 0.1 * blob.peak**2) for blob in blobs if not blob.cut)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from families import staged
 from outlines import PARALLEL, Disc, discs, grey_image, pattern
 from rendering import Scene, Sensor, balls, render
 from rigs import RIGS, SIZE_PX
@@ -239,3 +240,11 @@ def test_dark_places_of_a_pattern_leave_no_notches_at_its_rim(seed: int) -> None
 
 def test_an_even_part_keeps_its_notches() -> None:
     assert notched(None).concavity > 0.12
+
+
+def test_bright_parts_with_dark_sides_are_more_than_their_shadows() -> None:
+    scene = staged("two_cylinders", 23)
+    frame, truth = scene.taken()
+    blobs = Detector().detect(Rectifier(scene.rig).rectify(frame))
+    assert blobs.polarity == "bright"
+    assert len(blobs.left) == len(blobs.right) == len(truth.objects)
