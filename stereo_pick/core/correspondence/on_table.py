@@ -20,7 +20,7 @@ from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.standing import standing, standing_alike
 from stereo_pick.core.shapes.table import Table
 
-_ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 0.3, 3.0  # by how much the lit parts of one object may differ
+_ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 2.0, 4.0  # by how much the lit parts of one object may differ
 _SURE_PX = 0.2  # sigma from which a table may better a position
 _TRIED_TABLES, _TRIED_PAIRS = 4, 3
 
