@@ -11,6 +11,7 @@ from stereo_pick.core.shapes.table import Table
 ARCS = 9  # independent pieces of an outline: light and shading move an edge along whole arcs, not point by point
 _ASSUMED = 10.0  # independent pieces that the assumed noise counts for, beside the residuals seen
 _LOOSEST = 0.05  # standard deviation of a centre, as a part of the solid's size
+_ASTRAY = 0.15
 _LIMIT = 1.5  # noise half as large again as assumed, or a quarter of the outline quite somewhere else
 
 
@@ -23,6 +24,14 @@ def misfit_px(found: Fitted, noise_px: float) -> Floats:
 def explained(misfit_px: Floats, noise_px: float) -> Bools:
     """Whether (S,) solids with these misfits (S,) [px] explain their outlines."""
     return np.asarray(misfit_px <= _LIMIT * noise_px)
+
+
+def followed(found: Fitted, noise_px: float) -> Bools:
+    """Whether (S,) nearly all of the outline in either view lies on the solid: a piece of it that does not is small."""
+    views = (len(found.weight), 2, -1)
+    known = found.weight.reshape(views) > 0
+    astray = known & (np.abs(found.residual_px).reshape(views) > TUKEY * noise_px)
+    return np.asarray((astray.sum(axis=2) <= _ASTRAY * known.sum(axis=2)).all(axis=1))
 
 
 def determined(found: Fitted, covariance: Floats) -> Bools:

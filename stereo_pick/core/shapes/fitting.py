@@ -9,7 +9,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.evidence import centre_covariance, complaint, determined, explained, misfit_px
+from stereo_pick.core.shapes.evidence import centre_covariance, complaint, determined, explained, followed, misfit_px
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE, Kind
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.outline import Outline
@@ -108,7 +108,7 @@ def fit_solids(
             six_sided[remaining[round_]] &= possible
         covariance = centre_covariance(found, noise_px, table)
         fixed = determined(found, covariance)
-        for at in np.flatnonzero(explained(misfit, noise_px) & (cost < least[remaining])):
+        for at in np.flatnonzero(explained(misfit, noise_px) & followed(found, noise_px) & (cost < least[remaining])):
             i = remaining[at]
             least[i], left[i] = cost[at], misfit[at]
             chosen[seen[i]] = _result(found, int(at), float(misfit[at]), covariance[at]) if fixed[at] else None

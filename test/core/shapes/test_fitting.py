@@ -163,6 +163,26 @@ def test_a_part_with_a_notch_is_explained_by_no_solid() -> None:
     assert fit_solid(*pair, RIG) is None
 
 
+def bulged(contour: Floats, percent: float) -> Floats:
+    """A contour that lies 1.5 px too far out along so much of it."""
+    dense = Outline.from_contour(contour, points=400)
+    middle, half = 100.0, 2.0 * percent
+    rise = np.clip((half - np.abs(np.arange(400) - middle)) / 4, 0, 1.5)
+    return np.asarray(dense.points_px + rise[:, None] * dense.normals)
+
+
+@pytest.mark.parametrize("kind", ["cylinder", "box"])
+@pytest.mark.parametrize("view", [0, 1])
+def test_a_solid_that_a_piece_of_an_outline_does_not_follow_is_not_it(kind: str, view: int) -> None:
+    part = on_table(kind, 0.4, lying=False, half_m=np.array([0.025, 0.03, 0.02])[: 2 if kind == "cylinder" else 3])
+    fits = []
+    for percent in (0.0, 8.0, 24.0):
+        contours = list(contours_px(part, RIG))
+        contours[view] = bulged(contours[view], percent)
+        fits.append(fit_solid(Outline.from_contour(contours[0]), Outline.from_contour(contours[1]), RIG))
+    assert fits[0] is not None and fits[1] is not None and fits[2] is None
+
+
 def test_covariances_follow_chi_square() -> None:
     rng = np.random.default_rng(21)
     fitted, combined = [], []
