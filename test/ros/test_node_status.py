@@ -83,7 +83,7 @@ class Cameras:
 
         def holds() -> Any:
             send()
-            self._graph.spin(0.05)
+            self._graph.spin(0.2)
             return condition()
 
         return self._graph.wait(holds, what)

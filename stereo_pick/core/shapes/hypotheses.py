@@ -182,7 +182,7 @@ def _supported(locked: Locked, row: int, table: Table | None) -> Supported:
     result = SolidFit(
         solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance
     )
-    enough = support >= _SUPPORTED + _PER_PX * max(0.0, median_px - NOISE_PX)
+    enough = support > _SUPPORTED + _PER_PX * max(0.0, median_px - NOISE_PX)
     fixed = bool(determined(fit, covariance[None])[0])
     return Supported(result, support, enough and fixed and _is_tight(median_px))
 
