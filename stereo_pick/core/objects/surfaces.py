@@ -40,7 +40,7 @@ def _another(contrast: Contrast) -> Bools | None:
     view, some = contrast.view, np.s_[::_STRIDE_PX, ::_STRIDE_PX]
     least = _MUCH * np.count_nonzero(view.inside[some])
     for polarity in ("bright", "dark"):
-        if np.count_nonzero(_stands_out(contrast, polarity, some)) < least:  # as most often
+        if np.count_nonzero(_largest(_stands_out(contrast, polarity, some))) < least:  # as most often
             continue
         piece = _largest(_stands_out(contrast, polarity, np.s_[:, :]))
         if np.count_nonzero(piece[some]) >= least and (piece & ~view.core).any():
