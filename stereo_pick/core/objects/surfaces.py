@@ -31,7 +31,7 @@ def surfaces(contrast: Contrast, threshold_sigma: float) -> list[Contrast]:
 
 def without_others(table: Contrast, every: Sequence[Contrast]) -> Contrast:
     """The view beside the table, without the other surfaces: what stands before one of them is an object still."""
-    others = [_covered(each) for each in every if each is not table]
+    others = [_covered(each, table) for each in every if each is not table]
     return replace(table, beyond=others[0]) if others else table
 
 
@@ -53,10 +53,13 @@ def _stands_out(contrast: Contrast, polarity: str, window: Window) -> Bools:
     return np.asarray((excess > contrast.threshold(polarity)) & contrast.view.inside[window])
 
 
-def _covered(contrast: Contrast) -> Image:
-    """Where (h, w) a view shows its background in one piece, and the rim of that: 1."""
-    piece = _largest((np.abs(_excess(contrast)) <= contrast.bright_threshold) & contrast.view.inside)
-    return np.asarray(cv2.dilate(piece.astype(np.uint8), _RIM), np.uint8)
+def _covered(other: Contrast, table: Contrast) -> Image:
+    """Where (h, w) a view shows another surface in one piece, and the rim where it runs over into the table: 1."""
+    off, off_table = _excess(other), _excess(table)
+    limit = max(other.bright_threshold, table.bright_threshold)
+    between = (np.minimum(off, off_table) <= limit) & (np.maximum(off, off_table) >= -limit)
+    piece = _largest((np.abs(off) <= other.bright_threshold) & other.view.inside)
+    return np.where(between, np.asarray(cv2.dilate(piece.astype(np.uint8), _RIM), np.uint8), np.uint8(0))
 
 
 def _excess(contrast: Contrast) -> NDArray[np.float32]:
