@@ -78,14 +78,19 @@ def _shaded_behind(profiles: Floats, blur_px: float) -> Edges:
     best = np.clip(squares.argmin(axis=1), 1, len(_EDGES_PX) - 2)
     row = np.arange(len(best))
     before, at, after = squares[row, best - 1], squares[row, best], squares[row, best + 1]
-    bend = before - 2 * at + after
-    part = np.clip(0.5 * (before - after) / np.where(bend > 0, bend, np.inf), -1.0, 1.0)
+    part = vertex(before, at, after)
     least = np.maximum(at, 0.0)
     first, second, solve = first[row, best], second[row, best], model.solve[best]
     step, shading = solve[:, 0] * first + solve[:, 1] * second, solve[:, 2] * second
     noise = 3 * np.sqrt(least / _FREEDOM)
     sharpness = step / (np.abs(step) + np.abs(shading) + noise + 1e-9)
     return Edges(_EDGES_PX[best] + part * _EDGE_STEP_PX, step, sharpness, least)
+
+
+def vertex(before: Floats, at: Floats, after: Floats) -> Floats:
+    """Where (N,) the parabola through three neighbouring values is lowest, in steps from the middle one; at most 1."""
+    bend = before - 2 * at + after
+    return np.clip(0.5 * (before - after) / np.where(bend > 0, bend, np.inf), -1.0, 1.0)
 
 
 def best_blur_px(profiles: Floats) -> float:

@@ -69,7 +69,7 @@ class Rings:
         x, y = self.points_px.T
         x_next, y_next = self.points_px[self.wrapped[self.own + 1]].T
         areas = np.add.reduceat(x * y_next - y * x_next, self.first)
-        return np.repeat(areas, np.diff(self.first, append=len(x)))
+        return np.asarray(areas[self.numbers()])
 
 
 def _even(contours_px: Sequence[Floats]) -> tuple[Floats, Ints]:

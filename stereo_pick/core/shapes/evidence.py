@@ -11,7 +11,7 @@ from stereo_pick.core.shapes.table import Table
 ARCS = 9  # independent pieces of an outline: light and shading move an edge along whole arcs, not point by point
 _ASSUMED = 10.0  # independent pieces that the assumed noise counts for, beside the residuals seen
 _LOOSEST = 0.05  # standard deviation of a centre, as a part of the solid's size
-_ASTRAY = 0.15
+_ASTRAY = 0.15  # of the outline in a view, that may be something else than the object's edge
 _LIMIT = 1.5  # noise half as large again as assumed, or a quarter of the outline quite somewhere else
 
 

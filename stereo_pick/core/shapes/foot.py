@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Image
+from stereo_pick.core.objects.edge_model import vertex
 
 _STEP_PX = 0.5
 _WIDEST_PX = 3.0  # a wider shadow is seen as what it is
@@ -37,8 +38,6 @@ def shadow_px(image: Image, edges_px: Floats, inwards: Floats, step: Floats, noi
     lighter = np.median(behind[:, -3:], axis=1) - behind[:, 0]
     slope = np.diff(behind, axis=1)
     steepest = np.clip(slope.argmax(axis=1), 1, slope.shape[1] - 2)
-    before, here, after = (slope[row, steepest + k] for k in (-1, 0, 1))
-    bend = before - 2 * here + after
-    part = np.clip(0.5 * (before - after) / np.where(bend < 0, bend, -np.inf), -0.5, 0.5)
+    part = np.clip(vertex(*(-slope[row, steepest + k] for k in (-1, 0, 1))), -0.5, 0.5)
     width_px = (darkest + steepest + 0.5 + part) * _STEP_PX
     return np.where(lighter > np.maximum(_CLEAR * noise, _OF_STEP * step), width_px, 0.0)

@@ -21,7 +21,7 @@ from stereo_pick.core.shapes.table import Table
 
 _ROUNDS = 4
 _SHIFTS_PX = (0.0, -1.2, 1.2)
-_MIDDLE_PX = 0.5
+_MIDDLE_PX = 0.5  # so that edges are looked for farther outside than inside, where a part has creases of its own
 _BLUR_PX = 0.85
 _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
@@ -77,7 +77,7 @@ def _edges_near(
     """
     shape = points_px.shape[:-1]
     points_px, normals = points_px.reshape(-1, 2), normals.reshape(-1, 2)
-    best = np.zeros((4, len(points_px)))
+    best = np.zeros((3, len(points_px)))  # offset, trust, step
     solid = np.repeat(np.arange(shape[0]), shape[1])
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
@@ -85,12 +85,10 @@ def _edges_near(
         profiles = cv2.remap(image, at[..., 0], at[..., 1], cv2.INTER_LINEAR).astype(np.float64)
         edges = find_edges(profiles, _BLUR_PX, solid)
         offset = edges.place_px - _MIDDLE_PX + shift
-        best = np.where(
-            np.abs(edges.step) > best[2], [offset, _trust(edges, noise), np.abs(edges.step), edges.step], best
-        )
-    darker = np.flatnonzero((best[3] < 0) & (best[1] > 0))
+        best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, _trust(edges, noise), edges.step], best)
+    darker = np.flatnonzero((best[2] < 0) & (best[1] > 0))
     edges_px = points_px[darker] - best[0, darker, None] * normals[darker]
-    best[0, darker] += shadow_px(image, edges_px, -normals[darker], best[2, darker], noise)
+    best[0, darker] += shadow_px(image, edges_px, -normals[darker], -best[2, darker], noise)
     return best[0].reshape(shape), best[1].reshape(shape)
 
 
