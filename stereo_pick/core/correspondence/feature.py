@@ -28,7 +28,6 @@ from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import common_normal
-from stereo_pick.core.shapes.common_table import common_table
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.table import FOUND, NONE, Table
 
@@ -152,7 +151,7 @@ class Feature(Method):
         look = SecondLook(images, lit_parts(left, right, self.disparities_px(images.rig)), self.flat_parts)
         table = self._given_table()
         if self.table == FOUND:
-            table = common_table([where.fit for _, where in kept]) or look.verified_table(kept)
+            table = look.found_table(kept)
         return (kept, [], None) if table is None else (*look.seen_on(table, kept), table)
 
     def _of_known_reference(self, rows: list[Row], normal: Floats | None) -> tuple[list[Row], list[Row]]:

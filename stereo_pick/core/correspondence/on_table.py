@@ -14,8 +14,8 @@ from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables, surely_on
-from stereo_pick.core.shapes.fitting import Pair
+from stereo_pick.core.shapes.common_table import common_table, ends_on, hangs_above, stands_on, supposed_tables, surely_on
+from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.standing import standing, standing_alike
 from stereo_pick.core.shapes.table import Table
@@ -34,9 +34,24 @@ class SecondLook:
     pairs: Sequence[BlobPair]
     flat_parts: bool
 
-    def verified_table(self, kept: Sequence[Row]) -> Table | None:
-        """The table that one of the objects found supposes, and on which another one is found, too."""
+    def found_table(self, kept: Sequence[Row]) -> Table | None:
+        """The table that the objects found agree on, with what the edges alone say of the others if need be; or that
+        one of them supposes, and on which another one is found, too."""
         fits = [where.fit for _, where in kept]
+        agreed = common_table(fits)
+        if agreed is not None:
+            return agreed
+        fits += self._bodies()
+        return common_table(fits) or self._verified(fits)
+
+    def _bodies(self) -> list[SolidFit]:
+        """The solids, on whatever table, that the edges of both views support for the pairs."""
+        readings = [each for each in map(_convex_outlines, self.pairs) if can_be_fitted(each)]
+        self.images.look_at(readings)
+        found = [self.images.best([each]) for each in readings]
+        return [each.fit for each in found if each is not None and not is_flat(each.fit, TOP)]
+
+    def _verified(self, fits: Sequence[SolidFit | None]) -> Table | None:
         for table in supposed_tables(fits)[:_TRIED_TABLES]:
             others = [found.fit for found in self._on(table, self.pairs[:_TRIED_PAIRS]) if found]
             agreed = common_table([*fits, *others]) if others else None
@@ -52,7 +67,7 @@ class SecondLook:
         """
         found, unsure = _divided(kept, lambda where: _is_sure(where, table))
         refused: list[Row] = []
-        hanging, open_ = _divided(unsure, lambda where: _hangs(where, table))
+        hanging, open_ = _divided(unsure, lambda where: _hangs(where, table) or _ends(where, table))
         unsure = hanging + open_
         standing_there = self._alike_on(table, hanging)
         standing_there += self._on(table, [*(blobs for blobs, _ in open_), *self.pairs])
@@ -117,6 +132,10 @@ def _divided(rows: Sequence[Row], is_so: Callable[[Located], bool]) -> tuple[lis
 
 def _is_sure(where: Located, table: Table) -> bool:
     return where.fit is not None and where.sigma_px <= _SURE_PX and surely_on(table, where.fit)
+
+
+def _ends(where: Located, table: Table) -> bool:
+    return where.fit is not None and ends_on(table, where.fit)
 
 
 def _hangs(where: Located, table: Table) -> bool:

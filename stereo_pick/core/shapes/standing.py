@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.common_table import ends_on
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
@@ -26,7 +27,18 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
     where there is none to believe in."""
     candidates = _candidates(images, [pair for pair in pairs if can_be_fitted(pair)], table)
     images.all_locked([solid for several in candidates.values() for solid in several], table)
-    return [_most_supported(images, candidates.get(pair, []), table) for pair in pairs]
+    found = [_most_supported(images, candidates.get(pair, []), table) for pair in pairs]
+    return [each or _ending_on(images, pair, table) for each, pair in zip(found, pairs)]
+
+
+def _ending_on(images: Images, pair: Pair, table: Table) -> Supported | None:
+    """The body below a lit face that ends on the table without being told of it: this is hardly chance."""
+    if not can_be_fitted(pair):
+        return None
+    bodies = [images.raised(pair, kind) for kind in KINDS.values() if kind is not SPHERE]
+    ending = [b.fit.solid.turning_about(table.normal) for b in bodies if b is not None and ends_on(table, b.fit)]
+    found = images.all_locked(ending, table)
+    return max((each for each in found if each.raises_doubt), key=lambda each: each.score, default=None)
 
 
 def standing_alike(
