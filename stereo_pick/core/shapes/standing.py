@@ -15,6 +15,7 @@ from stereo_pick.core.shapes.common_table import ends_on
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
+from stereo_pick.core.shapes.shared_face import shared_face
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
@@ -28,7 +29,17 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
     candidates = _candidates(images, [pair for pair in pairs if can_be_fitted(pair)], table)
     images.all_locked([solid for several in candidates.values() for solid in several], table)
     found = [_most_supported(images, candidates.get(pair, []), table) for pair in pairs]
+    found = [each or _below_face(images, pair, table) for each, pair in zip(found, pairs)]
     return [each or _ending_on(images, pair, table) for each, pair in zip(found, pairs)]
+
+
+def _below_face(images: Images, pair: Pair, table: Table) -> Supported | None:
+    """The body from the lit top that the outlines share down to the table."""
+    face = shared_face(pair, images.rig, images.maps, table) if can_be_fitted(pair) else None
+    if face is None:
+        return None
+    bodies = [down_to(images.of_kind(face, kind)[0], table) for kind in KINDS.values() if kind is not SPHERE]
+    return _most_supported(images, [each for each in bodies if each is not None], table)
 
 
 def _ending_on(images: Images, pair: Pair, table: Table) -> Supported | None:

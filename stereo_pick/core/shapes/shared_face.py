@@ -1,0 +1,76 @@
+"""The lit top of a body, where one view's outline is that of the top alone and the other's takes in a side as well.
+
+The top is level: at the right height above the table, every point of its rim in one view has its edge in the other,
+whether or not an outline runs along it there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.edge_map import EdgeMap
+from stereo_pick.core.shapes.fitting import Pair
+from stereo_pick.core.shapes.outline import Outline
+from stereo_pick.core.shapes.table import Table
+
+_REACH_PX = 1.5
+_STEP_PX = 1.0  # of disparity, from one height to the next
+_TALLEST = 2.0  # height by length of the outline
+_WHOLE = 0.9  # part of an outline from which it is that of the top alone
+
+
+def shared_face(pair: Pair, rig: StereoRig, views: Sequence[EdgeMap], table: Table) -> Pair | None:
+    """The top's own outlines in both views, one of them moved from where it was seen; None where neither is a top's.
+
+    How high it lies is known to a few pixels of disparity: strong edges are wide.
+    """
+    heights_m = _heights_m(pair[0], rig, table)
+    shares = [_share(pair[i], heights_m, rig, i, views[1 - i], table) for i in (0, 1)]
+    own = int(shares[1].max() > shares[0].max())
+    best = shares[own].max()
+    if best < _WHOLE:
+        return None
+    height_m = heights_m[shares[own] == best].mean(keepdims=True)
+    points, normals = _moved(pair[own], height_m, rig, own, table)
+    moved = Outline(points[0], normals[0], pair[own].weight, pair[own].corner)
+    return (pair[0], moved) if own == 0 else (moved, pair[1])
+
+
+def _heights_m(outline: Outline, rig: StereoRig, table: Table) -> Floats:
+    """Heights (K,) [m] above the table, by which the disparity changes step by step."""
+    length_px = float(np.ptp(outline.points_px, axis=0).max())
+    slope = float(table.normal @ np.append((outline.points_px.mean(axis=0) - rig.left.P[:2, 2]) / rig.focal_px, 1.0))
+    depth_m = -table.offset_m / slope
+    step_m = abs(slope) * depth_m**2 / (rig.focal_px * rig.baseline_m) * _STEP_PX
+    tallest_m = _TALLEST * length_px * depth_m / rig.focal_px
+    return np.asarray(np.arange(1, 2 + int(tallest_m / step_m)) * step_m, np.float64)
+
+
+def _share(outline: Outline, heights_m: Floats, rig: StereoRig, own: int, other: EdgeMap, table: Table) -> Floats:
+    """The part (K,) of a view's outline that has its edge in the other view, if it lies so high (K,) [m]."""
+    points, normals = _moved(outline, heights_m, rig, own, table)
+    shown = other.shows(points.reshape(-1, 2), normals.reshape(-1, 2), _REACH_PX).reshape(points.shape[:2])
+    return np.asarray(shown[:, outline.weight > 0].mean(axis=1))
+
+
+def _moved(outline: Outline, heights_m: Floats, rig: StereoRig, own: int, table: Table) -> tuple[Floats, Floats]:
+    """Points and normals (K, N, 2) of one view's outline in the other view, if it lies so high (K,) [m]."""
+    along = np.stack([-outline.normals[:, 1], outline.normals[:, 0]], axis=1) / 2
+    before, after = (_transferred(outline.points_px + off, heights_m, rig, own, table) for off in (-along, along))
+    ahead = after - before
+    normals = np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1) / np.linalg.norm(ahead, axis=-1, keepdims=True)
+    return (before + after) / 2, normals
+
+
+def _transferred(points_px: Floats, heights_m: Floats, rig: StereoRig, own: int, table: Table) -> Floats:
+    """Where (K, N, 2) points (N, 2) of one view appear in the other, if they lie so high (K,) [m] above the table."""
+    camera, other = (rig.left, rig.right) if own == 0 else (rig.right, rig.left)
+    rays = np.c_[(points_px - camera.P[:2, 2]) / rig.focal_px, np.ones(len(points_px))]
+    eye_m = np.array([own * rig.baseline_m, 0.0, 0.0])
+    depth_m = (heights_m[:, None] - table.height_m(eye_m)) / (rays @ table.normal)
+    seen = np.concatenate([eye_m + depth_m[..., None] * rays, np.ones((*depth_m.shape, 1))], axis=2) @ other.P.T
+    return np.asarray(seen[..., :2] / seen[..., 2:])
