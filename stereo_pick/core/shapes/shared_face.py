@@ -13,7 +13,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.edge_map import EdgeMap
-from stereo_pick.core.shapes.fitting import Pair
+from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.outline import Outline
 from stereo_pick.core.shapes.table import Table
 
@@ -30,14 +30,16 @@ def shared_face(pair: Pair, rig: StereoRig, views: Sequence[EdgeMap], table: Tab
     """
     heights_m = _heights_m(pair[0], rig, table)
     shares = [_share(pair[i], heights_m, rig, i, views[1 - i], table) for i in (0, 1)]
-    own = int(shares[1].max() > shares[0].max())
+    trusted = [side.weight.sum() for side in pair]
+    own = int((shares[1].max(), trusted[1]) > (shares[0].max(), trusted[0]))
     best = shares[own].max()
     if best < _WHOLE:
         return None
     height_m = heights_m[shares[own] == best].mean(keepdims=True)
     points, normals = _moved(pair[own], height_m, rig, own, table)
     moved = Outline(points[0], normals[0], pair[own].weight, pair[own].corner)
-    return (pair[0], moved) if own == 0 else (moved, pair[1])
+    face = (pair[0], moved) if own == 0 else (moved, pair[1])
+    return face if can_be_fitted(face) else None
 
 
 def _heights_m(outline: Outline, rig: StereoRig, table: Table) -> Floats:
@@ -54,7 +56,7 @@ def _share(outline: Outline, heights_m: Floats, rig: StereoRig, own: int, other:
     """The part (K,) of a view's outline that has its edge in the other view, if it lies so high (K,) [m]."""
     points, normals = _moved(outline, heights_m, rig, own, table)
     shown = other.shows(points.reshape(-1, 2), normals.reshape(-1, 2), _REACH_PX).reshape(points.shape[:2])
-    return np.asarray(shown[:, outline.weight > 0].mean(axis=1))
+    return np.asarray(shown @ outline.weight / max(outline.weight.sum(), 1.0))
 
 
 def _moved(outline: Outline, heights_m: Floats, rig: StereoRig, own: int, table: Table) -> tuple[Floats, Floats]:

@@ -35,11 +35,13 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
 
 def _below_face(images: Images, pair: Pair, table: Table) -> Supported | None:
     """The body from the lit top that the outlines share down to the table."""
-    face = shared_face(pair, images.rig, images.maps, table) if can_be_fitted(pair) else None
+    face = shared_face(pair, images.rig, images.maps, table)
     if face is None:
         return None
     bodies = [down_to(images.of_kind(face, kind)[0], table) for kind in KINDS.values() if kind is not SPHERE]
-    return _most_supported(images, [each for each in bodies if each is not None], table)
+    bodies = [each for each in bodies if each is not None]
+    found = [each for each in images.all_locked(bodies, table) if each.raises_doubt]
+    return _most_supported(images, bodies, table) or max(found, key=lambda each: each.score, default=None)
 
 
 def _ending_on(images: Images, pair: Pair, table: Table) -> Supported | None:
