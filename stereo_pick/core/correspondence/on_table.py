@@ -14,9 +14,9 @@ from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.common_table import common_table, ends_on, hangs_above, stands_on, supposed_tables, surely_on
+from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables, surely_on
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
-from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
+from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images, Supported
 from stereo_pick.core.shapes.standing import standing, standing_alike
 from stereo_pick.core.shapes.table import Table
 
@@ -62,14 +62,15 @@ class SecondLook:
     def seen_on(self, table: Table, kept: Sequence[Row]) -> tuple[list[Row], list[Row]]:
         """What is found, and what must be refused.
 
-        kept: what was found without the table; what is sure and stands on it stays. What is sure but hangs clear
-        of it is looked for as one of its own kind. All else, and the pairs, is looked for as solids on the table.
+        kept: what was found without the table; what is sure and stands on it stays. What stands on it, or is sure but
+        hangs clear of it, is looked for as one of its own kind: that it ends there is hardly chance. All else, and the
+        pairs, is looked for as solids on the table.
         """
         found, unsure = _divided(kept, lambda where: _is_sure(where, table))
         refused: list[Row] = []
-        hanging, open_ = _divided(unsure, lambda where: _hangs(where, table) or _ends(where, table))
-        unsure = hanging + open_
-        standing_there = self._alike_on(table, hanging)
+        bodies, open_ = _divided(unsure, lambda where: _stands(where, table) or _hangs(where, table))
+        unsure = bodies + open_
+        standing_there = self._alike_on(table, bodies)
         standing_there += self._on(table, [*(blobs for blobs, _ in open_), *self.pairs])
         without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(unsure, standing_there)])
         for (blobs, where), on_it, in_the_air in zip(unsure, standing_there, without):
@@ -134,8 +135,8 @@ def _is_sure(where: Located, table: Table) -> bool:
     return where.fit is not None and where.sigma_px <= _SURE_PX and surely_on(table, where.fit)
 
 
-def _ends(where: Located, table: Table) -> bool:
-    return where.fit is not None and ends_on(table, where.fit)
+def _stands(where: Located, table: Table) -> bool:
+    return where.fit is not None and where.fit.flatness >= BODY and stands_on(table, where.fit)
 
 
 def _hangs(where: Located, table: Table) -> bool:

@@ -28,7 +28,6 @@ _THIN = 0.2  # height by length of what may be the top of a body only
 _STEEP = np.sin(np.deg2rad(25))  # of the least angle at which a table is looked at
 _STANDS = 0.7  # cosine
 _SURELY = 3.0  # sigmas
-_CHANCE = 0.05  # part of its height by which a body may end off a table that it was not told of
 _SUPPOSED_SIGMA_M = 0.001
 
 
@@ -88,12 +87,6 @@ def surely_on(table: Table, fit: SolidFit) -> bool:
     """Whether a solid stands or lies as near to a table as its own sigma and the table's allow."""
     sigma_m = np.hypot(2 * np.sqrt(table.normal @ fit.covariance @ table.normal), table.sigma_m)  # twice: of its end
     return abs(_base_m(table, fit)) < _SURELY * sigma_m and is_upright(table.normal, fit)
-
-
-def ends_on(table: Table, fit: SolidFit) -> bool:
-    """Whether a body ends so near to a table that this is hardly chance."""
-    height_m = fit.reach_m(table.normal) + fit.reach_m(-table.normal)
-    return abs(_base_m(table, fit)) < _CHANCE * height_m and is_upright(table.normal, fit) and fit.flatness > _THIN
 
 
 def hangs_above(table: Table, fit: SolidFit) -> bool:

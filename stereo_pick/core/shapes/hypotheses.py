@@ -28,7 +28,7 @@ _PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a 
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
 _SHOWN_BEYOND = 0.5  # part of what a solid adds to the outlines that must lie on edges
 CHANCE = 1 / 12  # by which the support of two solids that share most of their silhouettes may differ
-THIN, BODY = 0.15, 0.3  # thickness by length of what may be one lit face, and of what is none
+BODY = 0.3  # thickness by length of what is no lit face
 _RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
 _UNKNOWN_M2 = np.eye(3)  # covariance of the centre where nothing holds it
 _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
@@ -143,15 +143,6 @@ class Images:
         """The solid of a kind that comes nearest to an object's outlines alone, and its misfit [px]."""
         self.search([pair], kind)
         return self.nearest[pair, kind]
-
-    def raised(self, pair: Pair, kind: Kind) -> Supported | None:
-        """The body that the edges hint at, sure or not, where the outlines show one flat face of a kind."""
-        face, misfit_px = self.of_kind(pair, kind)
-        sizes = face.size_m()[0]
-        if misfit_px >= _PLAUSIBLE_PX or float(sizes.min()) > THIN * float(sizes.max()):
-            return None
-        body = self.longer(face)
-        return body if body is not None and body.raises_doubt else None
 
     def _with_longer(self, solid: Solids) -> list[Supported]:
         """A longer solid with support makes the shorter one, a part of it, unbelievable."""

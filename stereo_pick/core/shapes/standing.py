@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.shapes.common_table import ends_on
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
@@ -29,8 +28,7 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
     candidates = _candidates(images, [pair for pair in pairs if can_be_fitted(pair)], table)
     images.all_locked([solid for several in candidates.values() for solid in several], table)
     found = [_most_supported(images, candidates.get(pair, []), table) for pair in pairs]
-    found = [each or _below_face(images, pair, table) for each, pair in zip(found, pairs)]
-    return [each or _ending_on(images, pair, table) for each, pair in zip(found, pairs)]
+    return [each or _below_face(images, pair, table) for each, pair in zip(found, pairs)]
 
 
 def _below_face(images: Images, pair: Pair, table: Table) -> Supported | None:
@@ -42,16 +40,6 @@ def _below_face(images: Images, pair: Pair, table: Table) -> Supported | None:
     bodies = [each for each in bodies if each is not None]
     found = [each for each in images.all_locked(bodies, table) if each.raises_doubt]
     return _most_supported(images, bodies, table) or max(found, key=lambda each: each.score, default=None)
-
-
-def _ending_on(images: Images, pair: Pair, table: Table) -> Supported | None:
-    """The body below a lit face that ends on the table without being told of it: this is hardly chance."""
-    if not can_be_fitted(pair):
-        return None
-    bodies = [images.raised(pair, kind) for kind in KINDS.values() if kind is not SPHERE]
-    ending = [b.fit.solid.turning_about(table.normal) for b in bodies if b is not None and ends_on(table, b.fit)]
-    found = images.all_locked(ending, table)
-    return max((each for each in found if each.raises_doubt), key=lambda each: each.score, default=None)
 
 
 def standing_alike(
