@@ -12,6 +12,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
+from stereo_pick.core.shapes.growing import shown_part
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
 from stereo_pick.core.shapes.shared_face import shared_face
@@ -20,6 +21,7 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
 _UPRIGHT = np.cos(np.deg2rad(25))  # of an axis that the outlines alone put so near to upright
+_FOOT = 0.5  # part of what a body has below its top, and of its far end, that must lie on edges
 
 
 def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Supported | None]:
@@ -32,14 +34,22 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
 
 
 def _below_face(images: Images, pair: Pair, table: Table) -> Supported | None:
-    """The body from the lit top that the outlines share down to the table."""
+    """The body from the lit top that the outlines share down to the table.
+
+    Where the top is known and the table is, too, faint sides will do, if the edges are there at which it stands.
+    """
     face = shared_face(pair, images.rig, images.maps, table)
     if face is None:
         return None
-    bodies = [down_to(images.of_kind(face, kind)[0], table) for kind in KINDS.values() if kind is not SPHERE]
-    bodies = [each for each in bodies if each is not None]
-    found = [each for each in images.all_locked(bodies, table) if each.raises_doubt]
-    return _most_supported(images, bodies, table) or max(found, key=lambda each: each.score, default=None)
+    tops = [images.of_kind(face, kind)[0] for kind in KINDS.values() if kind is not SPHERE]
+    bodies = [(top, body) for top in tops for body in (down_to(top, table),) if body is not None]
+    found = images.all_locked([body for _, body in bodies], table)
+    seen = [each for each, (top, _) in zip(found, bodies) if each.raises_doubt and _shows_foot(images, each, top)]
+    return max(seen, key=lambda each: each.score, default=None)
+
+
+def _shows_foot(images: Images, body: Supported, top: Solids) -> bool:
+    return shown_part(body.fit.solid, top, images.eyes_m, images.maps) > _FOOT
 
 
 def standing_alike(

@@ -44,6 +44,16 @@ def test_the_table_completes_what_the_light_shows_in_part() -> None:
     assert missed["found"] == 0 < missed["none"]
 
 
+@pytest.mark.parametrize("seed", [12, 13])
+def test_a_table_is_found_where_all_parts_are_half_lit(seed: int) -> None:
+    """Two cylinders: one view shows a top alone where the other shows a side as well."""
+    scene = staged("two_cylinders", seed)
+    frame, truth = scene.taken()
+    poses = Pipeline(scene.rig, Steps()).run(frame).poses
+    centres = np.array([each.centre_m for each in truth.objects])
+    assert len(poses) == len(centres) and off_m(poses.xyz, centres).max() < 1e-3
+
+
 def test_a_part_held_above_the_table_stays_where_it_is() -> None:
     parts = (
         Cylinder(-0.08, -0.03, (0.04, 0.04, 0.05)),

@@ -13,6 +13,7 @@ from solid_outlines import contour_px
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes import Outline
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.shared_face import shared_face
 from stereo_pick.core.shapes.standing import standing
 from stereo_pick.core.shapes.table import Table
 
@@ -34,8 +35,12 @@ def table_m(lifted_m: float = 0.0) -> Table:
 def top_outlines(part: Solid) -> tuple[Outline, Outline]:
     """The exact outlines of the part's top alone."""
     corners = part.hull_m()
-    top = corners[corners[:, 2] > part.height_m - 1e-9]
-    seen: Floats = PLACED.apply(top) @ RIG.left.R.T
+    return outlines(corners[corners[:, 2] > part.height_m - 1e-9])
+
+
+def outlines(corners_m: Floats) -> tuple[Outline, Outline]:
+    """Those of a convex body, given in the frame of the table."""
+    seen: Floats = PLACED.apply(corners_m) @ RIG.left.R.T
     eyes = ((0.0, 0.0, 0.0), (RIG.baseline_m, 0.0, 0.0))
     left, right = (contour_px(seen - eye, lens) for eye, lens in zip(eyes, (RIG.left, RIG.right)))
     return Outline.from_contour(left), Outline.from_contour(right)
@@ -49,6 +54,31 @@ def test_from_its_top_a_part_is_found_down_to_the_table(part: Solid) -> None:
     assert found.fit.kind == type(part).__name__.lower()
     np.testing.assert_allclose(found.fit.centre_m, centre_m(RIG, scene, part), atol=6e-4)
     np.testing.assert_allclose(sorted(found.fit.size_m), sorted(part.size_m), atol=2e-3)
+
+
+@pytest.mark.parametrize("shows_top", [0, 1], ids=["left", "right"])
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: type(part).__name__)
+def test_one_view_may_show_the_top_alone_and_the_other_the_whole(part: Solid, shows_top: int) -> None:
+    scene = half_lit_scene((part,), PLACED, SIDES)
+    seen = list(outlines(part.hull_m()))
+    seen[shows_top] = top_outlines(part)[shows_top]
+    (found,) = standing(Images(rectified(RIG, scene)), [(seen[0], seen[1])], table_m())
+    assert found is not None and found.fit.kind == type(part).__name__.lower()
+    np.testing.assert_allclose(found.fit.centre_m, centre_m(RIG, scene, part), atol=1e-3)
+    np.testing.assert_allclose(sorted(found.fit.size_m), sorted(part.size_m), atol=2e-3)
+
+
+@pytest.mark.parametrize("part", PARTS, ids=lambda part: type(part).__name__)
+def test_the_top_of_one_view_is_moved_to_the_others(part: Solid) -> None:
+    images = Images(rectified(RIG, half_lit_scene((part,), PLACED, SIDES)))
+    top, whole = top_outlines(part), outlines(part.hull_m())
+    for pair in ((top[0], whole[1]), (whole[0], top[1])):
+        face = shared_face(pair, RIG, images.maps, table_m())
+        assert face is not None
+        for side, exact in zip(face, top):
+            apart_px = np.linalg.norm(side.points_px[:, None] - exact.points_px, axis=2).min(axis=1)
+            assert apart_px.max() < 3.0  # half of two points' distance, and a pixel of disparity
+    assert shared_face(whole, RIG, images.maps, table_m()) is None
 
 
 @pytest.mark.parametrize("part", PARTS, ids=lambda part: type(part).__name__)
