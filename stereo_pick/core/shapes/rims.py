@@ -21,7 +21,8 @@ from stereo_pick.core.shapes.solid_fit import SolidFit
 _ON_IT_PX = 0.75
 _SEEN = np.deg2rad(70)  # of the side, both ways from what faces a camera; farther off a ray only grazes it
 _PIECES = 14  # of what is seen of a rim
-_SHARE = 0.5  # of these that the outline must follow
+_SHARE = 0.5  # of these that the outline must follow for the end to be where it is ...
+_LIT = 0.3  # ... and to be somewhere else: the side may be as dark as the end where it turns away from the light
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +87,7 @@ def _end_m(views: Sequence[_Met], end_m: float) -> float:
     for height_m in np.concatenate([view.height_m for view in views]):
         on_it = [np.abs(view.height_m - height_m) < _ON_IT_PX * view.pixel_m for view in views]
         shares = [view.share(which) for view, which in zip(views, on_it)]
-        if min(shares) >= _SHARE and sum(shares) > most:
+        if min(shares) >= _LIT and sum(shares) > most:
             heights = np.concatenate([view.height_m[which] for view, which in zip(views, on_it)])
             most, found = sum(shares), float(np.median(heights))
     return found

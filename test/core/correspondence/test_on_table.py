@@ -65,6 +65,14 @@ def test_a_part_held_above_the_table_stays_where_it_is() -> None:
     assert len(poses) == 3 and (off_m(poses.xyz, scene.positions_m()) < 1e-3).all()
 
 
+def test_what_seems_to_hang_stands_if_its_foot_shows() -> None:
+    """A cylinder whose side shows in one view only could be a shorter one above the table, by its outlines."""
+    scene = staged("elevation_30_to_90", 3)
+    frame, truth = scene.taken()
+    poses = Pipeline(scene.rig, Steps()).run(frame).poses
+    assert off_m(poses.xyz, np.array([each.centre_m for each in truth.objects])).max() < 2e-3
+
+
 def test_with_a_wrong_table_nothing_is_made_to_stand_on_it() -> None:
     """Given 60 mm too high: every part reaches below it."""
     *normal, offset = (float(word) for word in GIVEN.split())

@@ -70,6 +70,16 @@ def test_an_end_that_is_not_seen_is_found_by_its_rim(turn: float, tilt: float, s
     np.testing.assert_allclose(found.centre_m, part.centre_m, atol=2e-4)
 
 
+@pytest.mark.parametrize("lit", [slice(0, 75), slice(75, 150)], ids=["one side", "the other"])
+@pytest.mark.parametrize("turn", [0.2, 1.0, -0.7])
+def test_half_of_a_rim_is_enough(turn: float, lit: slice) -> None:
+    """The side turns away from the light, until it is as dark as the end."""
+    part = lying(turn, 0.4)
+    outlines = [np.concatenate([seen[:150][lit], seen[150:][::-1][lit]]) for seen in side_px(part)]
+    found = to_rims(fit_of(part, high_m=0.7 * HALF_M), RIG, outlines)
+    np.testing.assert_allclose(found.size_m[2], 2 * HALF_M, atol=3e-4)
+
+
 @pytest.mark.parametrize("turn", [0.2, 1.0, -0.7])
 def test_rough_edges_move_it_by_no_more_than_they_are_rough(turn: float) -> None:
     part = lying(turn, 0.4)
