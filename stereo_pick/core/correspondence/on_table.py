@@ -96,10 +96,10 @@ class SecondLook:
             if on_it is not None:
                 return by_solid(self.images.rig, on_it.fit, on_it.support)
             return where if reaches_down(*blobs, self.images.rig, table) else replace(where, reason="half_lit")
-        if on_it is not None and in_the_air is not None:
-            if (hangs_above(table, fit) and not stands_on(table, fit)) or on_it.support >= in_the_air.support - CHANCE:
-                return by_solid(self.images.rig, on_it.fit, on_it.support)
-        if stands_on(table, fit) or (hangs_above(table, fit) and not is_flat(fit, TOP)):
+        hangs = hangs_above(table, fit) and not stands_on(table, fit)
+        if on_it is not None and in_the_air is not None and (hangs or on_it.support >= in_the_air.support - CHANCE):
+            return by_solid(self.images.rig, on_it.fit, on_it.support)
+        if stands_on(table, fit) or (hangs and not is_flat(fit, TOP)):
             return where
         return replace(where, fit=None, reason="off_table")
 
