@@ -105,9 +105,12 @@ class Blob:
     def concavity(self) -> float:
         """Depth of the deepest notch in the outline, as a part of the object's width.
 
-        The outline of a convex part is convex, from wherever one looks.
+        The outline of a convex part is convex, from wherever one looks. In the corner between two parts that were cut
+        apart there is shade: only what is on edges counts there.
         """
-        outline = np.round(self.contour_px * 16).astype(np.int32)
+        own = self.sharpness >= SHARP
+        contour_px = self.contour_px[own] if self.cut_share > 0 and own.sum() > 3 else self.contour_px
+        outline = np.round(contour_px * 16).astype(np.int32)
         hull = cv2.convexHull(outline, returnPoints=False)
         hull[::-1].sort(axis=0)
         defects = cv2.convexityDefects(outline, hull) if len(hull) > 3 else None

@@ -12,6 +12,7 @@ from rigs import rotation
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.errors import ArrayError
 from stereo_pick.core.objects import Blob, Blobs
+from stereo_pick.core.objects.blob import CUT
 
 SIZES = st.floats(8, 80)
 ANGLES = st.floats(-1.5, 1.5)
@@ -66,6 +67,15 @@ def test_a_convex_outline_has_no_notch(a: float, b: float, angle: float) -> None
 def test_a_notch_counts_as_a_part_of_the_width(part: float) -> None:
     notched = np.array([(0, 0), (45, 0), (50, 40 * part), (55, 0), (100, 0), (100, 40), (0, 40)])
     assert Blob(notched, 1.0).concavity == pytest.approx(part, abs=0.02)
+
+
+@given(st.floats(0.1, 0.9))
+def test_shade_beside_a_cut_is_no_notch(part: float) -> None:
+    notched = np.array([(0, 0), (45, 0), (50, 40 * part), (55, 0), (100, 0), (100, 40), (0, 40)])
+    cut = np.array([1.0, 1.0, 0.0, 1.0, 1.0, CUT, CUT])
+    assert Blob(notched, 1.0, sharpness=cut).concavity < 0.02
+    assert Blob(notched, 1.0, sharpness=np.maximum(cut, 0.0)).concavity == pytest.approx(part, abs=0.02)
+    assert Blob(notched, 1.0, sharpness=np.where(cut == 0, 1.0, cut)).concavity == pytest.approx(part, abs=0.02)
 
 
 @given(st.floats(0.1, 0.9), st.booleans())
