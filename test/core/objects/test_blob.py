@@ -71,11 +71,15 @@ def test_a_notch_counts_as_a_part_of_the_width(part: float) -> None:
 
 @given(st.floats(0.1, 0.9))
 def test_shade_beside_a_cut_is_no_notch(part: float) -> None:
-    notched = np.array([(0, 0), (45, 0), (50, 40 * part), (55, 0), (100, 0), (100, 40), (0, 40)])
-    cut = np.array([1.0, 1.0, 0.0, 1.0, 1.0, CUT, CUT])
-    assert Blob(notched, 1.0, sharpness=cut).concavity < 0.02
-    assert Blob(notched, 1.0, sharpness=np.maximum(cut, 0.0)).concavity == pytest.approx(part, abs=0.02)
-    assert Blob(notched, 1.0, sharpness=np.where(cut == 0, 1.0, cut)).concavity == pytest.approx(part, abs=0.02)
+    notched = np.array([(0, 0), (45, 0), (50, 40 * part), (55, 0), (100, 0), (100, 40), (50, 40), (0, 40)])
+    soft, cut = np.array([1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]), 6
+    sharpness = {"soft": soft, "sharp": np.ones(8)}
+    uncut = {name: Blob(notched, 1.0, sharpness=each).concavity for name, each in sharpness.items()}
+    for each in sharpness.values():
+        each[cut] = CUT
+    beside = {name: Blob(notched, 1.0, sharpness=each).concavity for name, each in sharpness.items()}
+    assert beside["soft"] < 0.02
+    assert [uncut["soft"], uncut["sharp"], beside["sharp"]] == pytest.approx([part] * 3, abs=0.02)
 
 
 @given(st.floats(0.1, 0.9), st.booleans())
