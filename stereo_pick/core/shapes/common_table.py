@@ -16,7 +16,7 @@ from stereo_pick.core.shapes.common_normal import (
     near_common_base,
     standing_axes,
 )
-from stereo_pick.core.shapes.kinds import HEX_PRISM, SPHERE
+from stereo_pick.core.shapes.kinds import CYLINDER, HEX_PRISM, SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
@@ -62,20 +62,33 @@ def common_table(fits: Sequence[SolidFit | None]) -> Table | None:
 
 
 def supposed_tables(fits: Sequence[SolidFit | None]) -> list[Table]:
-    """What the solids would stand on, one by one, if they stand on a face that the cameras do not see.
+    """What the solids would stand on, one by one, if they stand on a face that the cameras do not see, and what
+    cylinders and balls would lie on together.
 
     Most of these are wrong: another object must be found on a table before it is believed.
     """
-    tables = []
-    for fit in fits:
-        if fit is None or fit.kind == SPHERE.name or fit.flatness < _THIN:
-            continue
-        ahead = fit.centre_m / np.linalg.norm(fit.centre_m)
-        for axis in standing_axes(fit):
-            up = -axis * np.sign(axis @ ahead)
-            if -up @ ahead > _STEEP:
-                tables.append(Table(up, -float(lowest_m(up, [fit])[0]), _SUPPOSED_SIGMA_M))
-    return tables
+    bodies = [fit for fit in fits if fit is not None and fit.flatness >= _THIN]
+    turned = [fit for fit in bodies if fit.kind != SPHERE.name]
+    supposed = [(axis * sign, fit) for fit in turned for axis in standing_axes(fit) for sign in (-1.0, 1.0)]
+    cylinders, balls = ([fit for fit in bodies if fit.kind == kind.name] for kind in (CYLINDER, SPHERE))
+    supposed += [(normal, lying) for lying in cylinders for ball in balls for normal in _under_both(lying, ball)]
+    return [
+        Table(up, -float(lowest_m(up, [fit])[0]), _SUPPOSED_SIGMA_M)
+        for up, fit in supposed
+        if -up @ fit.centre_m > _STEEP * np.linalg.norm(fit.centre_m)
+    ]
+
+
+def _under_both(lying: SolidFit, ball: SolidFit) -> list[Floats]:
+    """The normals (3,) of the planes on which a cylinder lies beside a ball."""
+    axis = lying.rotation[:, 2]
+    across = ball.centre_m - lying.centre_m
+    across = across - (across @ axis) * axis
+    rise = float(ball.size_m[0] - lying.size_m[0]) / 2 / float(np.linalg.norm(across))
+    if not abs(rise) < 1:
+        return []
+    beside = across / np.linalg.norm(across)
+    return [rise * beside + sign * np.sqrt(1 - rise**2) * np.cross(axis, beside) for sign in (-1.0, 1.0)]
 
 
 def stands_on(table: Table, fit: SolidFit) -> bool:

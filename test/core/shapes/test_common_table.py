@@ -68,6 +68,14 @@ def test_the_table_is_among_what_one_standing_solid_supposes(tilt_deg: float) ->
         assert all(off_m(each, fits) < 1e-9 for each in supposed)
 
 
+@pytest.mark.parametrize("tilt_deg", [15, 40, 60])
+def test_the_table_is_among_what_a_lying_cylinder_and_a_ball_suppose(tilt_deg: float) -> None:
+    fits = fits_on_table(tilt_deg, [MIXED[1], MIXED[3]])
+    supposed = supposed_tables(fits)
+    near = [each for each in supposed if off_deg(each, table_of(tilt_deg)) < 1.5 and off_m(each, fits) < 5e-4]
+    assert near and len(supposed) <= 4
+
+
 def test_neither_a_ball_nor_a_thin_part_supposes_a_table() -> None:
     thin: Standing = ("cylinder", 0.0, 0.0, 0.0, False, (0.03, 0.003))
     assert supposed_tables([None, *fits_on_table(40, [MIXED[3], thin])]) == []
