@@ -82,12 +82,11 @@ def supposed_tables(fits: Sequence[SolidFit | None]) -> list[Table]:
 def _under_both(lying: SolidFit, ball: SolidFit) -> list[Floats]:
     """The normals (3,) of the planes on which a cylinder lies beside a ball."""
     axis = lying.rotation[:, 2]
-    across = ball.centre_m - lying.centre_m
-    across = across - (across @ axis) * axis
-    rise = float(ball.size_m[0] - lying.size_m[0]) / 2 / float(np.linalg.norm(across))
-    if not abs(rise) < 1:
+    across = np.cross(axis, np.cross(ball.centre_m - lying.centre_m, axis))
+    length_m, rise_m = float(np.linalg.norm(across)), float(ball.size_m[0] - lying.size_m[0]) / 2
+    if not length_m > abs(rise_m):
         return []
-    beside = across / np.linalg.norm(across)
+    beside, rise = across / length_m, rise_m / length_m
     return [rise * beside + sign * np.sqrt(1 - rise**2) * np.cross(axis, beside) for sign in (-1.0, 1.0)]
 
 

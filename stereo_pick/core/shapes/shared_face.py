@@ -15,7 +15,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.outline import Outline
-from stereo_pick.core.shapes.table import Table
+from stereo_pick.core.shapes.table import EDGE_ON, Table
 
 _REACH_PX = 1.5
 _STEP_PX = 1.0  # of disparity, from one height to the next
@@ -29,6 +29,8 @@ def shared_face(pair: Pair, rig: StereoRig, views: Sequence[EdgeMap], table: Tab
     How high it lies is known to a few pixels of disparity: strong edges are wide.
     """
     heights_m = _heights_m(pair[0], rig, table)
+    if not len(heights_m):
+        return None
     shares = [_share(pair[i], heights_m, rig, i, views[1 - i], table) for i in (0, 1)]
     trusted = [side.weight.sum() for side in pair]
     own = int((shares[1].max(), trusted[1]) > (shares[0].max(), trusted[0]))
@@ -43,13 +45,15 @@ def shared_face(pair: Pair, rig: StereoRig, views: Sequence[EdgeMap], table: Tab
 
 
 def _heights_m(outline: Outline, rig: StereoRig, table: Table) -> Floats:
-    """Heights (K,) [m] above the table, by which the disparity changes step by step."""
-    length_px = float(np.ptp(outline.points_px, axis=0).max())
-    slope = float(table.normal @ np.append((outline.points_px.mean(axis=0) - rig.left.P[:2, 2]) / rig.focal_px, 1.0))
+    """Heights (K,) [m] above the table, by which the disparity changes step by step; none where it is seen edge-on."""
+    rays = np.c_[(outline.points_px - rig.left.P[:2, 2]) / rig.focal_px, np.ones(len(outline.points_px))]
+    slopes = rays @ table.normal
+    if slopes.max() > -EDGE_ON:
+        return np.zeros(0)
+    slope, length = float(slopes.mean()), float(np.ptp(rays, axis=0).max())
     depth_m = -table.offset_m / slope
-    step_m = abs(slope) * depth_m**2 / (rig.focal_px * rig.baseline_m) * _STEP_PX
-    tallest_m = _TALLEST * length_px * depth_m / rig.focal_px
-    return np.asarray(np.arange(1, 2 + int(tallest_m / step_m)) * step_m, np.float64)
+    step_m = -slope * depth_m**2 / (rig.focal_px * rig.baseline_m) * _STEP_PX
+    return np.asarray(np.arange(1, 2 + int(_TALLEST * length * depth_m / step_m)) * step_m, np.float64)
 
 
 def _share(outline: Outline, heights_m: Floats, rig: StereoRig, own: int, other: EdgeMap, table: Table) -> Floats:

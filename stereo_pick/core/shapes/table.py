@@ -14,6 +14,7 @@ from stereo_pick.core.shapes.solids import Solids
 FOUND, NONE = "found", "none"
 _GIVEN_SIGMA_M = 0.001
 _UNIT = 1e-2
+EDGE_ON = 0.1  # sine of the angle at which a table is hardly seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,8 @@ class Table:
             raise ArrayError(f"must be {FOUND}, {NONE}, or four numbers: a unit normal and an offset in metres")
         if normal[2] >= 0 or offset_m <= 0:
             raise ArrayError("the normal must point towards the cameras, so its z is negative and the offset positive")
+        if normal[2] > -EDGE_ON * length:
+            raise ArrayError(f"the cameras would see it edge-on: the normal's z is {normal[2]:g}, at most {-EDGE_ON}")
         return Table(np.array(normal) / length, offset_m / length, _GIVEN_SIGMA_M)
 
     def height_m(self, points_m: Floats) -> Floats:

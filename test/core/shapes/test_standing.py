@@ -93,6 +93,16 @@ def test_on_a_wrong_table_nothing_is_found(part: Solid) -> None:
     assert standing(images, [top_outlines(part)], table_m(lifted_m=-0.02)) == [None]
 
 
+@pytest.mark.parametrize("normal", [(0.0, -0.99, -0.141), (0.0, -0.999, 0.045), (0.0, 0.0, 1.0)])
+def test_a_table_that_no_camera_sees_bears_nothing(normal: tuple[float, float, float]) -> None:
+    """Edge-on, from below, or behind the cameras."""
+    images = Images(rectified(RIG, half_lit_scene(PARTS[:1], PLACED, SIDES)))
+    top, whole = top_outlines(PARTS[0]), outlines(PARTS[0].hull_m())
+    table = Table(np.array(normal), 0.5, 5e-4)
+    assert shared_face((top[0], whole[1]), RIG, images.maps, table) is None
+    assert standing(images, [(top[0], whole[1])], table) == [None]
+
+
 def test_an_empty_view_supports_nothing() -> None:
     images = Images(rectified(RIG, Scene((), PLACED)))
     assert standing(images, [top_outlines(PARTS[0])], table_m()) == [None]
