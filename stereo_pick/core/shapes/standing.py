@@ -7,6 +7,7 @@ edges that such a solid must have are there in both views.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -68,12 +69,21 @@ def standing_alike(
 def _most_supported(images: Images, candidates: Sequence[Solids], table: Table) -> Supported | None:
     """A piece of a solid has the support of the sides that it shares with the whole: what goes on further, with as much
     support, is the whole."""
-    found = images.all_locked(candidates, table)
-    best = max((each for each in found if each.believable), key=lambda each: each.score, default=None)
-    longer = images.longer(best.fit.solid, table) if best is not None else None
-    if best is None or longer is None or longer.support < best.support - CHANCE:
-        return best
+    found = [each for each in images.all_locked(candidates, table) if each.believable]
+    best = max(found, key=lambda each: each.score, default=None)
+    if best is None:
+        return None
+    longer = images.longer(best.fit.solid, table)
+    if longer is None or longer.support < best.support - CHANCE:
+        return _no_surer_than_rivals(best, found)
     return longer if longer.believable else None
+
+
+def _no_surer_than_rivals(best: Supported, others: Sequence[Supported]) -> Supported:
+    """The same, its centre as unsure as it is which of several solids it is that are supported about as well."""
+    rivals = [each for each in others if each.score > best.score - CHANCE]
+    off_m = max((each.fit.centre_m - best.fit.centre_m for each in rivals), key=lambda off: float(off @ off))
+    return replace(best, fit=replace(best.fit, covariance=best.fit.covariance + np.outer(off_m, off_m)))
 
 
 def _candidates(images: Images, pairs: Sequence[Pair], table: Table) -> dict[Pair, list[Solids]]:

@@ -73,6 +73,17 @@ def test_what_seems_to_hang_stands_if_its_foot_shows() -> None:
     assert off_m(poses.xyz, np.array([each.centre_m for each in truth.objects])).max() < 2e-3
 
 
+def test_who_cannot_tell_two_solids_says_how_far_they_are_apart() -> None:
+    """A box seen from above, its sides in its shadow: a lying cylinder has about as many edges."""
+    scene = staged("elevation_30_to_90", 18)
+    frame, truth = scene.taken()
+    poses = Pipeline(scene.rig, Steps()).run(frame).poses
+    off = poses.xyz[:, None] - np.array([each.centre_m for each in truth.objects])
+    nearest = off[np.arange(len(off)), (off**2).sum(axis=2).argmin(axis=1)]
+    squares = np.einsum("ni,nij,nj->n", nearest, np.linalg.inv(poses.covariance), nearest)
+    assert len(poses) == len(truth.objects) and squares.max() < 16.3  # 99.9 % of three degrees of freedom
+
+
 def test_with_a_wrong_table_nothing_is_made_to_stand_on_it() -> None:
     """Given 60 mm too high: every part reaches below it."""
     *normal, offset = (float(word) for word in GIVEN.split())
