@@ -65,12 +65,11 @@ def _locate(
         blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs
     ):
         return _refused(blobs, "merged")
-    cut = max(blob.cut_share for blob in blobs)
-    if cut > _MAY_BE_CUT:
+    if max(blob.cut_share for blob in blobs) > _MAY_BE_CUT:
         return _refused(blobs, "merged")
-    bitten = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(b.fading_notch for b in blobs) > _FADES
+    half_lit = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(b.fading_notch for b in blobs) > _FADES
     if (
-        (bitten and not cut)  # in the corner between two parts there is shade
+        half_lit
         or sum(b.fading for b in blobs) / 2 > _MAY_FADE_UNEXPLAINED
         or (can_be_fitted(outlines) and images.hides_a_side(outlines))
     ):

@@ -18,6 +18,7 @@ SHARP = 0.25
 """Sharpness from which a contour point is on an edge, and not where light merely fades."""
 
 _ON_HULL_PX = 1.0
+_CORNER = 0.25  # of a part's width, from a cut, that the shade between two parts reaches
 
 CUT = -1.0
 """Sharpness of contour points where there is no edge: touching parts were cut apart there."""
@@ -82,8 +83,12 @@ class Blob:
 
     @property
     def fading_notch(self) -> float:
-        """The part of the outline where light fades in a notch."""
+        """The part of the outline where light fades in a notch, and not in the corner beside a part it was cut from."""
         fades = (self.sharpness > CUT) & (self.sharpness < SHARP) & ~self.on_hull
+        if fades.any() and self.cut_share > 0:
+            cut_px = self.contour_px[self.sharpness <= CUT]
+            off_px = np.linalg.norm(self.contour_px[:, None] - cut_px, axis=2).min(axis=1)
+            fades &= off_px > _CORNER * self.rectangle[1]
         return float(fades.mean()) if len(fades) else 0.0
 
     @property

@@ -82,6 +82,16 @@ def test_shade_beside_a_cut_is_no_notch(part: float) -> None:
     assert [uncut["soft"], uncut["sharp"], beside["sharp"]] == pytest.approx([part] * 3, abs=0.02)
 
 
+@pytest.mark.parametrize(("cut", "share"), [(None, 1 / 8), (1, 0.0), (6, 1 / 8)], ids=["none", "beside it", "far"])
+def test_light_that_fades_in_a_notch_counts_unless_beside_a_cut(cut: int | None, share: float) -> None:
+    notched = np.array([(0, 0), (45, 0), (50, 8), (55, 0), (100, 0), (100, 40), (50, 40), (0, 40)])
+    sharpness = np.ones(8)
+    sharpness[2] = 0.0
+    if cut is not None:
+        sharpness[cut] = CUT
+    assert Blob(notched, 1.0, sharpness=sharpness).fading_notch == pytest.approx(share)
+
+
 @given(st.floats(0.1, 0.9), st.booleans())
 def test_all_but_the_points_of_a_notch_are_on_the_hull(part: float, backwards: bool) -> None:
     notched = np.array([(0, 0), (45, 0), (50, 40 * part), (55, 0), (100, 0), (100, 40), (0, 40)])
