@@ -89,14 +89,15 @@ class SecondLook:
         """What was found without the table against what would stand on it.
 
         A part of a solid is supported where it shares the whole one's edges: what stands on the table and has as much
-        support is the whole. What hangs in the air after that must have a body of its own.
+        support is the whole. What hangs in the air where one of its kind could also stand is that one; after that it
+        must have a body of its own.
         """
         fit = where.fit
         if fit is None:
             if on_it is not None:
                 return by_solid(self.images.rig, on_it.fit, on_it.support)
             return where if reaches_down(*blobs, self.images.rig, table) else replace(where, reason="half_lit")
-        hangs = hangs_above(table, fit) and not stands_on(table, fit)
+        hangs = _hangs_clear(table, fit)
         if on_it is not None and in_the_air is not None and (hangs or on_it.support >= in_the_air.support - CHANCE):
             return by_solid(self.images.rig, on_it.fit, on_it.support)
         if stands_on(table, fit) or (hangs and not is_flat(fit, TOP)):
@@ -144,4 +145,8 @@ def _hangs(where: Located, table: Table) -> bool:
     """Whether an object is as sure, but far above the table, and more than the lit top of another."""
     if where.fit is None or where.sigma_px > _SURE_PX or is_flat(where.fit, TOP):
         return False
-    return hangs_above(table, where.fit) and not stands_on(table, where.fit)
+    return _hangs_clear(table, where.fit)
+
+
+def _hangs_clear(table: Table, fit: SolidFit) -> bool:
+    return hangs_above(table, fit) and not stands_on(table, fit)

@@ -15,6 +15,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.outline import Outline
+from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.table import EDGE_ON, Table
 
 _REACH_PX = 1.5
@@ -46,7 +47,7 @@ def shared_face(pair: Pair, rig: StereoRig, views: Sequence[EdgeMap], table: Tab
 
 def _heights_m(outline: Outline, rig: StereoRig, table: Table) -> Floats:
     """Heights (K,) [m] above the table, by which the disparity changes step by step; none where it is seen edge-on."""
-    rays = np.c_[(outline.points_px - rig.left.P[:2, 2]) / rig.focal_px, np.ones(len(outline.points_px))]
+    rays = np.insert(normalized(outline.points_px, rig.left), 2, 1.0, axis=1)
     slopes = rays @ table.normal
     if slopes.max() > -EDGE_ON:
         return np.zeros(0)
@@ -75,7 +76,7 @@ def _moved(outline: Outline, heights_m: Floats, rig: StereoRig, own: int, table:
 def _transferred(points_px: Floats, heights_m: Floats, rig: StereoRig, own: int, table: Table) -> Floats:
     """Where (K, N, 2) points (N, 2) of one view appear in the other, if they lie so high (K,) [m] above the table."""
     camera, other = (rig.left, rig.right) if own == 0 else (rig.right, rig.left)
-    rays = np.c_[(points_px - camera.P[:2, 2]) / rig.focal_px, np.ones(len(points_px))]
+    rays = np.insert(normalized(points_px, camera), 2, 1.0, axis=1)
     eye_m = np.array([own * rig.baseline_m, 0.0, 0.0])
     depth_m = (heights_m[:, None] - table.height_m(eye_m)) / (rays @ table.normal)
     seen = np.concatenate([eye_m + depth_m[..., None] * rays, np.ones((*depth_m.shape, 1))], axis=2) @ other.P.T

@@ -41,7 +41,7 @@ class Sight:
     def of(pairs: Sequence[tuple[Outline, Outline]], rig: StereoRig, table: Table | None = None) -> Sight:
         """The outlines (left, right) of at least one object; all of as many points."""
         cameras = (rig.left, rig.right)
-        points = np.array([[_normalized(side.points_px, lens) for side, lens in zip(pair, cameras)] for pair in pairs])
+        points = np.array([[normalized(side.points_px, lens) for side, lens in zip(pair, cameras)] for pair in pairs])
         normals = np.array([[side.normals for side in pair] for pair in pairs])
         weight = np.array([[side.weight for side in pair] for pair in pairs])
         smooth = np.array([[1 - side.corner for side in pair] for pair in pairs])
@@ -82,5 +82,6 @@ def tangent_planes(points: Floats, normals: Floats) -> Floats:
     return np.concatenate([normals, -dot(points, normals)[..., None]], axis=-1)
 
 
-def _normalized(points_px: Floats, camera: Camera) -> Floats:
+def normalized(points_px: Floats, camera: Camera) -> Floats:
+    """Points (N, 2) of a rectified view as directions (N, 2), the third component of which is 1."""
     return np.asarray((points_px - camera.P[:2, 2]) / camera.P[[0, 1], [0, 1]])
