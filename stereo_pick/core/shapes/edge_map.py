@@ -16,6 +16,7 @@ from stereo_pick.core.objects.outline import upper_median
 _BLUR = cv2.getGaussianKernel(7, 0.8).ravel()
 _SMOOTH = np.convolve(_BLUR, [0.25, 0.5, 0.25])
 _SLOPE = np.convolve(_BLUR, [-0.5, 0.0, 0.5])
+NOISE_OF_PIXELS = 1 / float(np.linalg.norm(_SLOPE) * np.linalg.norm(_SMOOTH))  # by that of their gradient
 _CLEAR = 5.0  # sigmas of the gradient from which it is an edge
 _STEP_PX = 0.5
 _SAMPLED = 4  # every so many pixels for the noise

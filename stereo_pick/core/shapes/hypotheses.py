@@ -36,21 +36,23 @@ _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth 
 
 @dataclass(frozen=True, eq=False)
 class Supported:
-    """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges."""
+    """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges; off_px:
+    how far these lie off, as a median, by more than noise moves such weak edges."""
 
     fit: SolidFit
     support: float
+    off_px: float
     believable: bool
 
     @property
     def score(self) -> float:
         """What tells the better of two: support, less how far the edges lie off."""
-        return self.support - _PER_PX * self.fit.residual_px
+        return self.support - _PER_PX * self.off_px
 
     @property
     def raises_doubt(self) -> bool:
         """Whether there is so much to it that a shorter solid is doubtful."""
-        return self.believable or (self.support > _CONTRADICTED and _is_tight(self.fit.residual_px))
+        return self.believable or (self.support > _CONTRADICTED and _is_tight(self.off_px))
 
 
 class Images:
@@ -173,8 +175,10 @@ class Images:
 
 def _supported(locked: Locked, row: int, table: Table | None) -> Supported:
     fit = locked.fit.only(np.array([row]))
-    residual = np.abs(fit.residual_px[fit.weight > 0])
-    median_px = float(np.median(residual)) if len(residual) else np.inf
+    held = fit.weight[0] > 0
+    residual = np.abs(fit.residual_px[0, held])
+    noisier = np.hypot(1.0, locked.sigma_px[row, held] / NOISE_PX)
+    median_px, off_px = (float(np.median(each)) if held.any() else np.inf for each in (residual, residual / noisier))
     support = float(locked.shown[row].min())
     known = np.isfinite(median_px)
     covariance = centre_covariance(fit, max(NOISE_PX, 1.5 * median_px), table)[0] if known else _UNKNOWN_M2
@@ -182,10 +186,10 @@ def _supported(locked: Locked, row: int, table: Table | None) -> Supported:
     result = SolidFit(
         solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance
     )
-    enough = support > _SUPPORTED + _PER_PX * max(0.0, median_px - NOISE_PX)
+    enough = support > _SUPPORTED + _PER_PX * max(0.0, off_px - NOISE_PX)
     fixed = bool(determined(fit, covariance[None])[0])
-    return Supported(result, support, enough and fixed and _is_tight(median_px))
+    return Supported(result, support, off_px, enough and fixed and _is_tight(off_px))
 
 
-def _is_tight(residual_px: float) -> bool:
-    return residual_px < _RESIDUAL * NOISE_PX
+def _is_tight(off_px: float) -> bool:
+    return off_px < _RESIDUAL * NOISE_PX

@@ -11,6 +11,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges, find_edges
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS
 from stereo_pick.core.shapes.foot import shadow_px
 from stereo_pick.core.shapes.outline import POINTS, Outline
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
@@ -23,6 +24,8 @@ _ROUNDS = 4
 _SHIFTS_PX = (0.0, -1.2, 1.2)
 _MIDDLE_PX = 0.5  # so that edges are looked for farther outside than inside, where a part has creases of its own
 _BLUR_PX = 0.85
+# One sigma of the place of a blurred step as high as the pixels' noise (Cramér and Rao), by that of their gradient.
+_NOISE_PX = float(np.sqrt(2 * np.sqrt(np.pi) * _BLUR_PX)) * NOISE_OF_PIXELS
 _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
 _ON_EDGE_PX = 0.6
@@ -32,10 +35,11 @@ _LEAST_HELD = 8  # points on edges, in each view, without which a solid stays wh
 @dataclass(frozen=True, eq=False)
 class Locked:
     """fit: solids (S) and their residuals on the edges; shown: (S, 2), the share of each one's silhouette in each view
-    that lies on an edge."""
+    that lies on an edge; sigma_px: (S, 2N), by how much the noise of the pixels alone moves each of these edges."""
 
     fit: Fitted
     shown: Floats
+    sigma_px: Floats
 
 
 def lock(
@@ -43,7 +47,7 @@ def lock(
 ) -> Locked:
     """Refine solids, each by itself, on the edges of the two rectified views near its silhouette, of either sign.
 
-    images: (H, W) each; noises: one sigma of their pixels [grey levels].
+    images: (H, W) each; noises: one sigma of their gradients [grey levels/px].
     """
     eyes_m = np.array([[0.0, 0.0, 0.0], [rig.baseline_m, 0.0, 0.0]])
     for round_ in range(_ROUNDS + 1):
@@ -52,12 +56,13 @@ def lock(
             each.reshape(*corners.shape[:2], POINTS, 2)
             for each in along_polygon(corners.reshape(-1, *corners.shape[2:]), POINTS)
         )
-        outlines, offsets = [], []
+        outlines, offsets, sigmas = [], [], []
         for view, (image, noise, camera) in enumerate(zip(images, noises, (rig.left, rig.right))):
             pixels, across = points[:, view] * camera.P[0, 0] + camera.P[:2, 2], normals[:, view]
-            offset, weight = _edges_near(image, pixels, across, noise, _SHIFTS_PX if round_ == 0 else (0.0,))
+            offset, weight, sigma = _edges_near(image, pixels, across, noise, _SHIFTS_PX if round_ == 0 else (0.0,))
             edges = pixels - offset[..., None] * across
             outlines.append([Outline(*side, np.zeros(POINTS)) for side in zip(edges, across, weight)])
+            sigmas.append(sigma)
             offsets.append(np.where(weight > 0, np.abs(offset), np.inf))
         sight = Sight.of(list(zip(*outlines)), rig, table)
         now = fitted(sight, solids)
@@ -65,13 +70,13 @@ def lock(
         if round_ == _ROUNDS or not len(held):
             break
         solids = solids.replaced(held, refine(sight.only(held), now.only(held), rounds=3).solids)
-    return Locked(now, (np.stack(offsets, axis=1) < _ON_EDGE_PX).mean(axis=2))
+    return Locked(now, (np.stack(offsets, axis=1) < _ON_EDGE_PX).mean(axis=2), np.concatenate(sigmas, axis=1))
 
 
 def _edges_near(
     image: Image, points_px: Floats, normals: Floats, noise: float, shifts_px: Sequence[float]
-) -> tuple[Floats, Floats]:
-    """Offset (S, N) [px, inwards] of the clearest edge near each point (S, N, 2), and the trust in it (S, N).
+) -> tuple[Floats, Floats, Floats]:
+    """Offset (S, N) [px, inwards] of the clearest edge near each point (S, N, 2), the trust in it, and its sigma [px].
 
     Where that is the outer edge of a narrow shadow, the part ends behind it.
     """
@@ -89,7 +94,8 @@ def _edges_near(
     darker = np.flatnonzero((best[2] < 0) & (best[1] > 0))
     edges_px = points_px[darker] - best[0, darker, None] * normals[darker]
     best[0, darker] += shadow_px(image, edges_px, -normals[darker], -best[2, darker], noise)
-    return best[0].reshape(shape), best[1].reshape(shape)
+    sigma_px = _NOISE_PX * noise / np.maximum(np.abs(best[2]), noise)
+    return best[0].reshape(shape), best[1].reshape(shape), sigma_px.reshape(shape)
 
 
 def _trust(edges: Edges, noise: float) -> Floats:
