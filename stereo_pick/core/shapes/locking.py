@@ -25,7 +25,7 @@ _SHIFTS_PX = (0.0, -1.2, 1.2)
 _MIDDLE_PX = 0.5  # so that edges are looked for farther outside than inside, where a part has creases of its own
 _BLUR_PX = 0.85
 # One sigma of the place of a blurred step as high as the pixels' noise (Cramér and Rao), by that of their gradient.
-_NOISE_PX = float(np.sqrt(2 * np.sqrt(np.pi) * _BLUR_PX)) * NOISE_OF_PIXELS
+_NOISE_PX = 1.45 * float(np.sqrt(2 * np.sqrt(np.pi) * _BLUR_PX)) * NOISE_OF_PIXELS
 _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
 _ON_EDGE_PX = 0.6
