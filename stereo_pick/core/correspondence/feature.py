@@ -24,10 +24,12 @@ from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.errors import ArrayError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
+from stereo_pick.core.objects.focus import lens_blur_px
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import common_normal
+from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.table import FOUND, NONE, Table
 
@@ -98,9 +100,9 @@ class Feature(Method):
         if self.assignment == "area":
             left, right = blobs.sound()
             matched = [(left[i], right[j]) for i, j in least_area_difference(left, right)]
-            return self._collected(Images(pair), blobs, matched, [])
+            return self._collected(_images(pair, blobs), blobs, matched, [])
         matched, doubtful = self._paired(pair.rig, blobs.left, blobs.right)
-        return self._collected(Images(pair), blobs, matched, doubtful)
+        return self._collected(_images(pair, blobs), blobs, matched, doubtful)
 
     def _paired(
         self, rig: StereoRig, left: Sequence[Blob], right: Sequence[Blob]
@@ -191,6 +193,12 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
         return []
     areas = np.array([blob.area_px2 for blob in right])
     return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
+
+
+def _images(pair: RectifiedPair, blobs: Blobs) -> Images:
+    sides = (blobs.left, pair.left), (blobs.right, pair.right)
+    outlines = [([blob.contour_px for blob in side], image) for side, image in sides]
+    return Images(pair, [lens_blur_px(*each) if each[0] else USUAL_BLUR_PX for each in outlines])
 
 
 def _told_apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:

@@ -93,6 +93,11 @@ def vertex(before: Floats, at: Floats, after: Floats) -> Floats:
     return np.clip(0.5 * (before - after) / np.where(bend > 0, bend, np.inf), -1.0, 1.0)
 
 
+def nearest_blur_px(blur_px: float) -> float:
+    """The blur nearest to this one for which there are models."""
+    return min(BLURS_PX, key=lambda modelled: abs(np.log(modelled / blur_px)))
+
+
 def best_blur_px(profiles: Floats) -> float:
     """The blur (one sigma) with which these profiles (N, len(OFFSETS_PX)) are explained best, all together."""
     best = _explained(profiles[:, _PLAIN:])

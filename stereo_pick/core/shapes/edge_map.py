@@ -13,6 +13,7 @@ from stereo_pick.core.arrays import Bools, Floats, Image
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.objects.outline import upper_median
 
+USUAL_BLUR_PX = 0.85  # of a lens, with the rectification
 _BLUR = cv2.getGaussianKernel(7, 0.8).ravel()
 _SMOOTH = np.convolve(_BLUR, [0.25, 0.5, 0.25])
 _SLOPE = np.convolve(_BLUR, [-0.5, 0.0, 0.5])
@@ -26,7 +27,8 @@ _CHUNK = 16000  # remap takes no longer rows
 
 @dataclass(frozen=True, eq=False)
 class EdgeMap:
-    """A rectified view (H, W), and one sigma of its gradient [grey levels/px] where there are no edges.
+    """A rectified view (H, W), one sigma of its gradient [grey levels/px] where there are no edges, and the blur of
+    its lens [px, one sigma].
 
     The gradient is made where it is asked for: that takes a fraction of the time that the whole view takes.
     """
@@ -34,12 +36,13 @@ class EdgeMap:
     image: Image
     noise: float
     camera: Camera
+    blur_px: float
 
     @staticmethod
-    def of(image: Image, camera: Camera) -> EdgeMap:
+    def of(image: Image, camera: Camera, blur_px: float = USUAL_BLUR_PX) -> EdgeMap:
         """Look at a view (H, W)."""
         along_rows = cv2.sepFilter2D(image, cv2.CV_32F, _SLOPE, _SMOOTH)[::_SAMPLED, ::_SAMPLED]
-        return EdgeMap(image, max(1.4826 * upper_median(np.abs(along_rows).ravel()), _LEAST_NOISE), camera)
+        return EdgeMap(image, max(1.4826 * upper_median(np.abs(along_rows).ravel()), _LEAST_NOISE), camera, blur_px)
 
     def shows(self, points_px: Floats, normals: Floats, reach_px: float) -> Bools:
         """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line."""

@@ -8,11 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from stereo_pick.core.arrays import Image
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.beyond import Contour, shown_beyond
-from stereo_pick.core.shapes.edge_map import EdgeMap
+from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX, EdgeMap
 from stereo_pick.core.shapes.evidence import centre_covariance, determined
 from stereo_pick.core.shapes.fitting import NOISE_PX, Nearest, Pair, nearest_of_kind
 from stereo_pick.core.shapes.growing import grown, is_longer
@@ -56,11 +55,11 @@ class Supported:
 
 
 class Images:
-    """What the two rectified views offer to support a solid."""
+    """What the two rectified views, and what is known of the blur of their lenses, offer to support a solid."""
 
-    def __init__(self, pair: RectifiedPair) -> None:
+    def __init__(self, pair: RectifiedPair, blurs_px: Sequence[float] = (USUAL_BLUR_PX, USUAL_BLUR_PX)) -> None:
         self.rig: StereoRig = pair.rig
-        self.images: tuple[Image, Image] = (pair.left, pair.right)
+        self._views = tuple(zip((pair.left, pair.right), (pair.rig.left, pair.rig.right), blurs_px))
         self.eyes_m = np.array([[0.0, 0.0, 0.0], [pair.rig.baseline_m, 0.0, 0.0]])
         self.nearest: Nearest = {}
         self._longer: dict[tuple[Solids, Table | None], Supported | None] = {}
@@ -69,7 +68,7 @@ class Images:
     @cached_property
     def maps(self) -> list[EdgeMap]:
         """The edges of both views."""
-        return [EdgeMap.of(image, camera) for image, camera in zip(self.images, (self.rig.left, self.rig.right))]
+        return [EdgeMap.of(*view) for view in self._views]
 
     def look_at(self, readings: Sequence[Pair]) -> None:
         """Find out at once what is asked for `best` of many outlines: one by one takes several times as long."""
@@ -117,8 +116,7 @@ class Images:
             if (solid, table) not in self._locked:
                 alike.setdefault((solid.kind, solid.turns.shape[2]), []).append(solid)
         for several in alike.values():
-            noises = [view.noise for view in self.maps]
-            locked = lock(Solids.joined(several), self.images, noises, self.rig, table)
+            locked = lock(Solids.joined(several), self.maps, self.rig, table)
             for i, solid in enumerate(several):
                 self._locked[solid, table] = _supported(locked, i, table)
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Image
-from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges, find_edges
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges, find_edges, nearest_blur_px
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS
+from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
 from stereo_pick.core.shapes.foot import shadow_px
 from stereo_pick.core.shapes.outline import POINTS, Outline
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
@@ -23,9 +23,9 @@ from stereo_pick.core.shapes.table import Table
 _ROUNDS = 4
 _SHIFTS_PX = (0.0, -1.2, 1.2)
 _MIDDLE_PX = 0.5  # so that edges are looked for farther outside than inside, where a part has creases of its own
-_BLUR_PX = 0.85
-# One sigma of the place of a blurred step as high as the pixels' noise (Cramér and Rao), by that of their gradient.
-_NOISE_PX = 1.45 * float(np.sqrt(2 * np.sqrt(np.pi) * _BLUR_PX)) * NOISE_OF_PIXELS
+# One sigma of the place of a step as high as the gradient's noise, by the root of its blur: the least there can be
+# (Cramér and Rao), and 1.45 times that since the levels beside it are not known either.
+_NOISE_PX = 1.45 * float(np.sqrt(2 * np.sqrt(np.pi))) * NOISE_OF_PIXELS
 _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
 _ON_EDGE_PX = 0.6
@@ -42,13 +42,8 @@ class Locked:
     sigma_px: Floats
 
 
-def lock(
-    solids: Solids, images: Sequence[Image], noises: Sequence[float], rig: StereoRig, table: Table | None = None
-) -> Locked:
-    """Refine solids, each by itself, on the edges of the two rectified views near its silhouette, of either sign.
-
-    images: (H, W) each; noises: one sigma of their gradients [grey levels/px].
-    """
+def lock(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, table: Table | None = None) -> Locked:
+    """Refine solids, each by itself, on the edges of the two rectified views near its silhouette, of either sign."""
     eyes_m = np.array([[0.0, 0.0, 0.0], [rig.baseline_m, 0.0, 0.0]])
     for round_ in range(_ROUNDS + 1):
         corners = silhouettes(solids, eyes_m)
@@ -57,9 +52,9 @@ def lock(
             for each in along_polygon(corners.reshape(-1, *corners.shape[2:]), POINTS)
         )
         outlines, offsets, sigmas = [], [], []
-        for view, (image, noise, camera) in enumerate(zip(images, noises, (rig.left, rig.right))):
-            pixels, across = points[:, view] * camera.P[0, 0] + camera.P[:2, 2], normals[:, view]
-            offset, weight, sigma = _edges_near(image, pixels, across, noise, _SHIFTS_PX if round_ == 0 else (0.0,))
+        for i, view in enumerate(views):
+            pixels, across = points[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
+            offset, weight, sigma = _edges_near(view, pixels, across, _SHIFTS_PX if round_ == 0 else (0.0,))
             edges = pixels - offset[..., None] * across
             outlines.append([Outline(*side, np.zeros(POINTS)) for side in zip(edges, across, weight)])
             sigmas.append(sigma)
@@ -74,27 +69,27 @@ def lock(
 
 
 def _edges_near(
-    image: Image, points_px: Floats, normals: Floats, noise: float, shifts_px: Sequence[float]
+    view: EdgeMap, points_px: Floats, normals: Floats, shifts_px: Sequence[float]
 ) -> tuple[Floats, Floats, Floats]:
     """Offset (S, N) [px, inwards] of the clearest edge near each point (S, N, 2), the trust in it, and its sigma [px].
 
     Where that is the outer edge of a narrow shadow, the part ends behind it.
     """
-    shape = points_px.shape[:-1]
+    shape, noise, blur_px = points_px.shape[:-1], view.noise, nearest_blur_px(view.blur_px)
     points_px, normals = points_px.reshape(-1, 2), normals.reshape(-1, 2)
     best = np.zeros((3, len(points_px)))  # offset, trust, step
     solid = np.repeat(np.arange(shape[0]), shape[1])
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
         at = (points_px[:, None] - inwards[:, None] * normals[:, None]).astype(np.float32)
-        profiles = cv2.remap(image, at[..., 0], at[..., 1], cv2.INTER_LINEAR).astype(np.float64)
-        edges = find_edges(profiles, _BLUR_PX, solid)
+        profiles = cv2.remap(view.image, at[..., 0], at[..., 1], cv2.INTER_LINEAR).astype(np.float64)
+        edges = find_edges(profiles, blur_px, solid)
         offset = edges.place_px - _MIDDLE_PX + shift
         best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, _trust(edges, noise), edges.step], best)
     darker = np.flatnonzero((best[2] < 0) & (best[1] > 0))
     edges_px = points_px[darker] - best[0, darker, None] * normals[darker]
-    best[0, darker] += shadow_px(image, edges_px, -normals[darker], -best[2, darker], noise)
-    sigma_px = _NOISE_PX * noise / np.maximum(np.abs(best[2]), noise)
+    best[0, darker] += shadow_px(view.image, edges_px, -normals[darker], -best[2, darker], noise)
+    sigma_px = _NOISE_PX * np.sqrt(blur_px) * noise / np.maximum(np.abs(best[2]), noise)
     return best[0].reshape(shape), best[1].reshape(shape), sigma_px.reshape(shape)
 
 

@@ -35,7 +35,7 @@ def images(empty: bool = False) -> Images:
 
 
 def locked(solid: Solids, seen: Images) -> Locked:
-    return lock(solid, seen.images, [view.noise for view in seen.maps], RIG)
+    return lock(solid, seen.maps, RIG)
 
 
 def moved(part: Solid, random: np.random.Generator, off_m: float, off_deg: float) -> Solids:
