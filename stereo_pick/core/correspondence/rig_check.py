@@ -49,12 +49,22 @@ def _is_misaligned(blobs: Blobs, rig: StereoRig) -> bool:
     An epipolar plane that touches a part touches it for both cameras. Half light, shadows and neighbours move the top
     or the bottom of an outline, each in its own way; a camera that has turned moves both, and those of all parts. So
     each part is asked for that end that fits better: at most half of the parts have one that fits (what hides a part
-    hides it from one camera, not half of them from each), or those of several are off to one side.
+    hides it from one camera, not half of them from each), or those of several are off to one side. Outlines with
+    notches, prints among them, may outnumber the others: where most of those without fit, the rest does not count.
     """
-    left, right = ([blob for blob in side if blob.fault in ("", "merged")] for side in (blobs.left, blobs.right))
-    possible = min(len(left), len(right))
-    if possible < 2:
+    located = ([blob for blob in side if blob.fault in ("", "merged")] for side in (blobs.left, blobs.right))
+    asked = [(min(len(left), len(right)), left, right) for left, right in (blobs.sound(), tuple(located))]
+    fitting = [(possible, _fitting_px(left, right, rig)) for possible, left, right in asked if possible >= 2]
+    if not fitting:
         return False
+    if all(2 * len(offsets_px) <= possible for possible, offsets_px in fitting):
+        return True
+    _, offsets_px = fitting[-1]
+    return len(offsets_px) >= _SEVERAL and abs(float(np.median(offsets_px))) > Feature().epipolar_tolerance_px
+
+
+def _fitting_px(left: list[Blob], right: list[Blob], rig: StereoRig) -> list[float]:
+    """By how many rows [px] the parts of both views differ, of those that fit one another."""
     method = Feature()
     offset_px = _end_offsets_px(left, right)
     tolerance_px = method.epipolar_tolerance_px + method.shape_tolerance * _lesser_heights_px(left, right)
@@ -64,9 +74,7 @@ def _is_misaligned(blobs: Blobs, rig: StereoRig) -> bool:
     least_px, most_px = method.disparities_px(rig)
     may_be = (cost <= 1) & (np.abs(areas) < np.log(_SAME_PART)) & (disparity_px >= least_px) & (disparity_px <= most_px)
     pairs = assign(np.where(may_be, cost, np.inf), unmatched_cost=1.0)
-    if 2 * len(pairs) <= possible:
-        return True
-    return len(pairs) >= _SEVERAL and abs(np.median([offset_px[pair] for pair in pairs])) > method.epipolar_tolerance_px
+    return [float(offset_px[pair]) for pair in pairs]
 
 
 def _end_offsets_px(left: list[Blob], right: list[Blob]) -> Floats:
