@@ -22,6 +22,7 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
 _UPRIGHT = np.cos(np.deg2rad(25))  # of an axis that the outlines alone put so near to upright
+_OPEN = 0.25  # of a solid's size by which a rival's centre may be off
 _FOOT = 0.5  # part of what a body has below its top, and of its far end, that must lie on edges
 
 
@@ -79,10 +80,13 @@ def _most_supported(images: Images, candidates: Sequence[Solids], table: Table) 
     return longer if longer.believable else None
 
 
-def _no_surer_than_rivals(best: Supported, others: Sequence[Supported]) -> Supported:
-    """The same, its centre as unsure as it is which of several solids it is that are supported about as well."""
+def _no_surer_than_rivals(best: Supported, others: Sequence[Supported]) -> Supported | None:
+    """The same, its centre as unsure as it is which of several solids it is that are supported about as well; None
+    where that leaves its place open."""
     rivals = [each for each in others if each.score > best.score - CHANCE]
     off_m = max((each.fit.centre_m - best.fit.centre_m for each in rivals), key=lambda off: float(off @ off))
+    if np.linalg.norm(off_m) > _OPEN * best.fit.size_m.mean():
+        return None
     return replace(best, fit=replace(best.fit, covariance=best.fit.covariance + np.outer(off_m, off_m)))
 
 
