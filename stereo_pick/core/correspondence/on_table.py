@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.frontier import reaches_down
 from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
-from stereo_pick.core.correspondence.overlap import is_apart
+from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_each_place
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_solid
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
@@ -75,13 +75,13 @@ class SecondLook:
         without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(unsure, standing_there)])
         for (blobs, where), on_it, in_the_air in zip(unsure, standing_there, without):
             again = self._weighed(table, blobs, where, on_it, in_the_air)
-            if again.fit is not None and not is_apart(again.fit, found):
-                again = replace(where, fit=None, reason="merged")
             (refused if again.reason else found).append((blobs, again))
         for blobs, on_it in zip(self.pairs, standing_there[len(unsure) :]):
-            if on_it is not None and is_apart(on_it.fit, found):
+            if on_it is not None:
                 found.append((blobs, by_solid(self.images.rig, on_it.fit, on_it.support)))
-        return found, refused
+        found, twice = one_in_each_place(found)
+        found, behind = none_behind_another(found, self.images.rig)
+        return found, refused + twice + behind
 
     def _weighed(
         self, table: Table, blobs: BlobPair, where: Located, on_it: Supported | None, in_the_air: Supported | None

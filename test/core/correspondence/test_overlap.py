@@ -3,29 +3,40 @@
 from __future__ import annotations
 
 import numpy as np
+from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.overlap import is_apart, one_in_each_place
+from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_each_place
 from stereo_pick.core.correspondence.position import Located, Row
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes import SolidFit
 
 BLOB = Blob(np.array([(0.0, 0.0), (9.0, 0.0), (9.0, 9.0)]), 50.0)
 NOWHERE = np.zeros(2)
+RIG = RIGS["thesis"]
 
 
-def box(x_m: float, size_m: Floats) -> SolidFit:
-    return SolidFit("box", np.array([x_m, 0.0, 0.9]), np.eye(3), size_m, 0.1, np.eye(3) * 1e-8)
+def box(x_m: float, size_m: Floats, z_m: float = 0.9) -> SolidFit:
+    return SolidFit("box", np.array([x_m, 0.0, z_m]), np.eye(3), size_m, 0.1, np.eye(3) * 1e-8)
 
 
-def row(x_m: float, sigma_px: float, size_m: float = 0.04) -> Row:
-    return (BLOB, BLOB), Located(NOWHERE, NOWHERE, sigma_px, box(x_m, np.full(3, size_m)))
+def row(x_m: float, sigma_px: float, size_m: float = 0.04, z_m: float = 0.9) -> Row:
+    return (BLOB, BLOB), Located(NOWHERE, NOWHERE, sigma_px, box(x_m, np.full(3, size_m), z_m))
 
 
 def test_parts_that_touch_are_apart_and_parts_inside_each_other_are_not() -> None:
     small, large = box(0.0, np.full(3, 0.01)), box(0.018, np.full(3, 0.04))
-    assert is_apart(box(0.041, np.full(3, 0.04)), [row(0.0, 0.1)])
-    assert not is_apart(small, [row(0.018, 0.1)]) and not is_apart(large, [row(0.0, 0.1, 0.01)])
+    assert not box(0.041, np.full(3, 0.04)).overlaps(box(0.0, np.full(3, 0.04)))
+    assert small.overlaps(large) and large.overlaps(small)
+
+
+def test_what_is_hidden_from_one_camera_only_may_be_seen_by_the_other() -> None:
+    """Of what would be seen through another, by both cameras, the surer one stays."""
+    near, beside = row(0.0, 0.1), row(0.05, 0.2)
+    behind, half_seen = row(0.005, 0.3, 0.01, z_m=0.94), row(0.0, 0.3, 0.01, z_m=1.1)
+    stays, goes = none_behind_another([behind, near, beside], RIG)
+    assert [where.sigma_px for _, where in stays] == [0.1, 0.2] and [where.reason for _, where in goes] == ["merged"]
+    assert none_behind_another([near, half_seen], RIG)[1] == []
 
 
 def test_the_surest_stays_and_the_others_are_refused() -> None:
