@@ -93,6 +93,17 @@ def test_outlines_cut_short_or_drawn_out_at_one_end_each_are_no_sign_of_a_moved_
     assert fault_of(WHOLE, right, faults) == ""
 
 
+def test_prints_that_look_different_from_two_sides_do_not_outweigh_parts_that_fit() -> None:
+    """Unless the parts do not fit either."""
+    outlines_of = [[outline(80 + 100 * i - by, ends) for i, ends in enumerate(WHOLE)] for by in (0, 30)]
+    prints = [replace(outline(300, (a + 100 * i, b + 100 * i)), fault="merged") for i, (a, b) in enumerate(WHOLE)]
+    others = [replace(outline(270, (a + 20, b + 45)), fault="merged") for a, b in WHOLE]
+    left, right = outlines_of[0][:2], outlines_of[1][:2]
+    assert rig_fault(seen(left + prints[:3], right + others[:3]), PARALLEL) == ""
+    assert rig_fault(seen(left[:1] + prints[:3], right[:1] + others[:3]), PARALLEL) == "misaligned"
+    assert rig_fault(seen(left + prints[:3], outlines_of[1][2:4] + others[:3]), PARALLEL) == "misaligned"
+
+
 @pytest.mark.parametrize("by_px", [-40.0, -8.0, -3.0, -2.0, 2.0, 3.0, 8.0, 40.0])
 def test_outlines_that_are_all_off_to_one_side_are(by_px: float) -> None:
     random = np.random.default_rng(1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 
+import cv2
 import numpy as np
 import pytest
 from rendered_solids import centre_m, rectified, solid_of
@@ -12,7 +13,8 @@ from rendering import Box, Cylinder, Scene, Solid, Sphere
 from rendering.rigs import table_before
 from rigs import RIGS, rotation
 
-from stereo_pick.core.shapes.edge_map import EdgeMap
+from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX, EdgeMap
+from stereo_pick.core.shapes.fitting import NOISE_PX
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.locking import Locked, lock
 from stereo_pick.core.shapes.solids import Solids
@@ -90,3 +92,34 @@ def test_noise_is_no_edge() -> None:
     image = np.clip(np.random.default_rng(3).normal(90, 2, (480, 640)).round(), 0, 255).astype(np.uint8)
     points = np.random.default_rng(4).uniform(20, 400, (4000, 2))
     assert EdgeMap.of(image, RIG.left).shows(points, np.tile([0.6, 0.8], (4000, 1)), 1.5).mean() < 0.01
+
+
+def changed(blur_px: float, noise: float, known_blur_px: float) -> Images:
+    """The scene further blurred, and with noise added."""
+    random, pair = np.random.default_rng(5), rectified(RIG, SCENE)
+    seen = [cv2.GaussianBlur(grey.astype(np.float32), (0, 0), max(blur_px, 0.01)) for grey in (pair.left, pair.right)]
+    left, right = ((grey + random.normal(0, noise, grey.shape)).round().clip(0, 255).astype(np.uint8) for grey in seen)
+    return Images(replace(pair, left=left, right=right), (known_blur_px, known_blur_px))
+
+
+@pytest.mark.parametrize("noise", [6.0, 12.0])
+def test_noise_moves_edges_as_far_as_is_stated(noise: float) -> None:
+    seen, off = changed(0.0, noise, USUAL_BLUR_PX), []
+    for part in PARTS.values():
+        found = locked(solid_of(RIG, SCENE, part), seen)
+        held = found.fit.weight > 0
+        off += list(found.fit.residual_px[held] / found.sigma_px[held])
+    assert 0.7 < 1.4826 * np.median(np.abs(off)) < 1.4
+
+
+def test_what_noise_alone_moves_does_not_speak_against_a_solid() -> None:
+    seen = changed(0.0, 25.0, USUAL_BLUR_PX).locked(solid_of(RIG, SCENE, PARTS["sphere"]))
+    assert seen.fit.residual_px > 2 * NOISE_PX > seen.off_px
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_view_out_of_focus_is_read_with_its_own_blur(name: str) -> None:
+    truth = solid_of(RIG, SCENE, PARTS[name])
+    own, usual = (locked(truth, changed(1.5, 1.0, blur_px)) for blur_px in (1.7, USUAL_BLUR_PX))
+    assert np.linalg.norm(own.fit.solids.centre_m[0] - truth.centre_m[0]) < 4e-4
+    assert own.shown.min() > 0.9 and own.shown.min() > usual.shown.min()
