@@ -23,7 +23,7 @@ from stereo_pick.core.shapes.starts import starts
 from stereo_pick.core.shapes.table import Table
 
 NOISE_PX = 0.1  # by which arcs of a sub-pixel outline are off
-_LEAST_TRUSTED = 12  # points in each view
+_LEAST_TRUSTED = 9  # points in each view
 _HIDDEN = 0.1  # share of an outline without which kinds are mistaken for each other
 _NEAR = 2.0  # noise within which a quick look must have come for a thorough one, where another kind explains all
 _A_SIDE = 1 / 6  # share without which anything may be mistaken for six sides
