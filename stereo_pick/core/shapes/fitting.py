@@ -23,7 +23,7 @@ from stereo_pick.core.shapes.starts import starts
 from stereo_pick.core.shapes.table import Table
 
 NOISE_PX = 0.1  # by which arcs of a sub-pixel outline are off
-_LEAST_TRUSTED = 9  # points in each view
+_LEAST_TRUSTED, _LEAST_AT_FIRST = 9, 3  # points in each view
 _HIDDEN = 0.1  # share of an outline without which kinds are mistaken for each other
 _NEAR = 2.0  # noise within which a quick look must have come for a thorough one, where another kind explains all
 _A_SIDE = 1 / 6  # share without which anything may be mistaken for six sides
@@ -121,8 +121,9 @@ def nearest_of_kind(pairs: Sequence[Pair], rig: StereoRig, kind: Kind, table: Ta
 
 
 def can_be_fitted(pair: Pair) -> bool:
-    """Whether both outlines have enough points that show the object's own edge."""
-    return all((side.weight * (1 - side.corner)).sum() >= _LEAST_TRUSTED for side in pair)
+    """Whether both outlines have enough points that show the object's own edge, also for a first look."""
+    smooth = [side.weight * (1 - side.corner) for side in pair]
+    return all(each.sum() >= _LEAST_TRUSTED and each[::2].sum() >= _LEAST_AT_FIRST for each in smooth)
 
 
 def _searched(sight: Sight, kind: Kind, stages: tuple[_Stage, ...]) -> Fitted:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solid, fit_solids
 from stereo_pick.core.shapes import kinds as shapes
+from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.table import Table
 
 RIG = RIGS["verged"]
@@ -199,3 +201,22 @@ def test_covariances_follow_chi_square() -> None:
     for distances in (fitted, combined):
         assert 1.6 < np.median(distances) < 3.4  # 2.37
         assert 6 < np.percentile(distances, 95) < 10  # 7.81
+
+
+@pytest.mark.parametrize("table", [None, Table(UP * np.sign(-UP[2]), 0.7, 1e-3)], ids=["anywhere", "on a table"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_whatever_part_of_an_outline_is_trusted_a_solid_comes_out(kind: str, table: Table | None) -> None:
+    """Or it is known beforehand that none can: few points, and only every second one."""
+    rng, pairs = np.random.default_rng(3), []
+    for _ in range(40):
+        left, right = (
+            replace(side, weight=chance * (rng.random(len(side.weight)) < rng.uniform(0.3, 1.0)))
+            for side in outlines_of(any_part(kind, RIG, rng), RIG)
+            for chance in [np.where(np.arange(len(side.weight)) % 2 == 0, rng.integers(2), 1.0)]
+        )
+        pairs.append((left, right))
+    fit_for = [pair for pair in pairs if can_be_fitted(pair)]
+    assert 5 < len(fit_for) < len(pairs)
+    for each in shapes.KINDS.values():
+        found = nearest_of_kind(fit_for, RIG, each, table)
+        assert all(np.isfinite(solid.centre_m).all() and np.isfinite(misfit) for solid, misfit in found.values())
