@@ -95,6 +95,7 @@ def vertex(before: Floats, at: Floats, after: Floats) -> Floats:
 
 def nearest_blur_px(blur_px: float) -> float:
     """The blur nearest to this one for which there are models."""
+    blur_px = max(blur_px, BLURS_PX[0])
     return min(BLURS_PX, key=lambda modelled: abs(np.log(modelled / blur_px)))
 
 

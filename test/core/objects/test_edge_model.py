@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.objects.edge_model import BLURS_PX, OFFSETS_PX, best_blur_px, find_edges
+from stereo_pick.core.objects.edge_model import BLURS_PX, OFFSETS_PX, best_blur_px, find_edges, nearest_blur_px
 
 FINE = np.arange(-12, 14, 0.01)
 PLACES = np.linspace(-1.0, 1.0, 21)
@@ -87,3 +87,9 @@ def test_profiles_tell_their_own_blur(blur_px: float, shape: object) -> None:
     found = best_blur_px(np.array([make(place, blur_px) for place in PLACES]))
     grid = np.array(BLURS_PX)
     assert abs(np.log(found / blur_px)) < 1.6 * np.log(grid[1] / grid[0])
+
+
+@pytest.mark.parametrize(("blur_px", "index"), [(0.0, 0), (0.3, 0), (BLURS_PX[5] * 1.01, 5), (40.0, -1)])
+def test_any_blur_has_a_nearest_one(blur_px: float, index: int) -> None:
+    """That of an outline on even ground is zero."""
+    assert nearest_blur_px(blur_px) == BLURS_PX[index]
