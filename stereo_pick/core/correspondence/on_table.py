@@ -89,8 +89,8 @@ class SecondLook:
         """What was found without the table against what would stand on it.
 
         A part of a solid is supported where it shares the whole one's edges: what stands on the table and has as much
-        support is the whole. What hangs in the air where one of its kind could also stand is that one; after that it
-        must have a body of its own.
+        support is the whole. What hangs in the air where one of its kind could also stand, on edges that need no
+        excuse, is that one; after that it must have a body of its own.
         """
         fit = where.fit
         if fit is None:
@@ -98,7 +98,7 @@ class SecondLook:
                 return by_solid(self.images.rig, on_it.fit, on_it.support)
             return where if reaches_down(*blobs, self.images.rig, table) else replace(where, reason="half_lit")
         hangs = _hangs_clear(table, fit)
-        if on_it is not None and in_the_air is not None and (hangs or on_it.support >= in_the_air.support - CHANCE):
+        if on_it is not None and in_the_air is not None and _stands_too(on_it, in_the_air, hangs):
             return by_solid(self.images.rig, on_it.fit, on_it.support)
         if stands_on(table, fit) or (hangs and not is_flat(fit, TOP)):
             return where
@@ -116,6 +116,10 @@ class SecondLook:
     def _on(self, table: Table, pairs: Sequence[BlobPair]) -> list[Supported | None]:
         found = standing(self.images, [_convex_outlines(blobs) for blobs in pairs], table)
         return [None if each is None or (is_flat(each.fit) and not self.flat_parts) else each for each in found]
+
+
+def _stands_too(on_it: Supported, in_the_air: Supported, hangs: bool) -> bool:
+    return on_it.support >= in_the_air.support - CHANCE or (hangs and on_it.is_exact)
 
 
 def _convex_outlines(blobs: BlobPair) -> Pair:

@@ -49,6 +49,11 @@ class Supported:
         return self.support - _PER_PX * self.off_px
 
     @property
+    def is_exact(self) -> bool:
+        """Whether it is believable without noise as an excuse for how far its edges lie off."""
+        return self.believable and _carries(self.support, self.fit.residual_px)
+
+    @property
     def raises_doubt(self) -> bool:
         """Whether there is so much to it that a shorter solid is doubtful."""
         return self.believable or (self.support > _CONTRADICTED and _is_tight(self.off_px))
@@ -184,9 +189,13 @@ def _supported(locked: Locked, row: int, table: Table | None) -> Supported:
     result = SolidFit(
         solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance
     )
-    enough = support > _SUPPORTED + _PER_PX * max(0.0, off_px - NOISE_PX)
     fixed = bool(determined(fit, covariance[None])[0])
-    return Supported(result, support, off_px, enough and fixed and _is_tight(off_px))
+    return Supported(result, support, off_px, fixed and _carries(support, off_px))
+
+
+def _carries(support: float, off_px: float) -> bool:
+    """Whether edges so far off a solid, with so much of its silhouette on them, make it believable."""
+    return _is_tight(off_px) and support > _SUPPORTED + _PER_PX * max(0.0, off_px - NOISE_PX)
 
 
 def _is_tight(off_px: float) -> bool:
