@@ -126,7 +126,7 @@ class _Model:
     solve: Floats
 
 
-@lru_cache(maxsize=len(BLURS_PX))
+@lru_cache(maxsize=len(BLURS_PX) + 1)
 def _model(blur_px: float) -> _Model:
     bases, solve = [], []
     for place_px in _EDGES_PX:

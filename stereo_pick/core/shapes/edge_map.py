@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats, Image
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.objects.edge_model import BLURS_PX, nearest_blur_px
 from stereo_pick.core.objects.outline import upper_median
 
 USUAL_BLUR_PX = 0.85  # of a lens, with the rectification
+_SURELY_OTHER = 1.2  # factor: the blurs that sharp views show differ by as much
 _BLUR = cv2.getGaussianKernel(7, 0.8).ravel()
 _SMOOTH = np.convolve(_BLUR, [0.25, 0.5, 0.25])
 _SLOPE = np.convolve(_BLUR, [-0.5, 0.0, 0.5])
@@ -37,6 +39,12 @@ class EdgeMap:
     noise: float
     camera: Camera
     blur_px: float
+
+    @property
+    def modelled_blur_px(self) -> float:
+        """The blur to look for edges with: the usual one, as far as what was measured is no different."""
+        usual = abs(np.log(max(self.blur_px, BLURS_PX[0]) / USUAL_BLUR_PX)) < np.log(_SURELY_OTHER)
+        return USUAL_BLUR_PX if usual else nearest_blur_px(self.blur_px)
 
     @staticmethod
     def of(image: Image, camera: Camera, blur_px: float = USUAL_BLUR_PX) -> EdgeMap:

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges, find_edges, nearest_blur_px
+from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges, find_edges
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
 from stereo_pick.core.shapes.foot import shadow_px
@@ -75,7 +75,7 @@ def _edges_near(
 
     Where that is the outer edge of a narrow shadow, the part ends behind it.
     """
-    shape, noise, blur_px = points_px.shape[:-1], view.noise, nearest_blur_px(view.blur_px)
+    shape, noise, blur_px = points_px.shape[:-1], view.noise, view.modelled_blur_px
     points_px, normals = points_px.reshape(-1, 2), normals.reshape(-1, 2)
     best = np.zeros((3, len(points_px)))  # offset, trust, step
     solid = np.repeat(np.arange(shape[0]), shape[1])
