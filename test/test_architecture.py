@@ -26,6 +26,7 @@ PARTS = {
 CORE_LAYERS = (
     "errors",
     "arrays",
+    "sampling",
     "params",
     "refusal",
     "transform",

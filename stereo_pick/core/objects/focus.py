@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Image, Ints
 from stereo_pick.core.objects.blob import Blob
 from stereo_pick.core.objects.edge_model import BLURS_PX
+from stereo_pick.core.sampling import sampled
 
 MAX_BLUR_PX = BLURS_PX[-1]
 """One sigma; through more, the profile in which `edge_model` looks for the edge no longer shows what is outside."""
@@ -79,8 +79,7 @@ def _profiles(contour_px: Floats, image: Image) -> Floats:
 def _across(contours_px: Sequence[Floats], image: Image, offsets_px: Floats) -> Floats:
     """Grey levels (N, M) across outlines of N points."""
     points, across = np.concatenate(contours_px), normals(contours_px)
-    u, v = ((points[:, axis, None] + offsets_px * across[:, axis, None]).astype(np.float32) for axis in (0, 1))
-    return np.asarray(cv2.remap(image, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE), np.float64)
+    return sampled(image, points[:, None] + offsets_px[:, None] * across[:, None])
 
 
 def _further(contours_px: Sequence[Floats], by: int) -> Ints:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.objects.edge_model import OFFSETS_PX, best_blur_px, find_edges
 from stereo_pick.core.objects.rings import Rings
+from stereo_pick.core.sampling import sampled
 
 _REACH_PX = 4.0
 _STEP_PX = 0.5
@@ -59,9 +59,7 @@ def _half_way(image: Image, points_px: Floats, inward: Floats, min_contrast: flo
 
 def _profiles(image: Image, points_px: Floats, inward: Floats, offsets_px: Floats) -> Floats:
     """Grey levels (N, M) along the inward normals (N, 2) of points (N, 2), bilinear."""
-    x, y = ((points_px[:, axis, None] + offsets_px * inward[:, axis, None]).astype(np.float32) for axis in (0, 1))
-    grey = cv2.remap(image, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return np.asarray(grey, np.float64)
+    return sampled(image, points_px[:, None] + offsets_px[:, None] * inward[:, None])
 
 
 def _middle(levels: Floats) -> Floats:

@@ -5,11 +5,11 @@ From the table inwards such a line begins at an edge as clear as a part's own, a
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.objects.edge_model import vertex
+from stereo_pick.core.sampling import sampled
 
 _STEP_PX = 0.5
 _WIDEST_PX = 3.0  # a wider shadow is seen as what it is
@@ -30,8 +30,7 @@ def shadow_px(image: Image, edges_px: Floats, inwards: Floats, step: Floats, noi
     """
     if not len(edges_px):
         return np.zeros(0)
-    at = (edges_px[:, None] + _INWARDS_PX[:, None] * inwards[:, None]).astype(np.float32)
-    levels = np.asarray(cv2.remap(image, at[..., 0], at[..., 1], cv2.INTER_LINEAR), np.float64)
+    levels = sampled(image, edges_px[:, None] + _INWARDS_PX[:, None] * inwards[:, None])
     row = np.arange(len(levels))
     darkest = levels[:, :_DARKEST].argmin(axis=1)
     behind = levels[row[:, None], darkest[:, None] + _BEHIND]

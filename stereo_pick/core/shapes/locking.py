@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges, find_edges
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.sampling import sampled
 from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
 from stereo_pick.core.shapes.foot import shadow_px
 from stereo_pick.core.shapes.outline import POINTS, Outline
@@ -81,8 +81,7 @@ def _edges_near(
     solid = np.repeat(np.arange(shape[0]), shape[1])
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
-        at = (points_px[:, None] - inwards[:, None] * normals[:, None]).astype(np.float32)
-        profiles = cv2.remap(view.image, at[..., 0], at[..., 1], cv2.INTER_LINEAR).astype(np.float64)
+        profiles = sampled(view.image, points_px[:, None] - inwards[:, None] * normals[:, None])
         edges = find_edges(profiles, blur_px, solid)
         offset = edges.place_px - _MIDDLE_PX + shift
         best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, _trust(edges, noise), edges.step], best)
