@@ -55,7 +55,7 @@ class Shadows:
     def cut_off(self, blobs: Sequence[Blob], refine: Refine, min_area_px: int) -> list[Blob]:
         """What is left of blobs without their shadows; where a shadow stays, its rim is no edge.
 
-        The level is taken above which least of the outline runs along a shadow, the lowest of equal ones.
+        Of the levels above which a shadow may end, the lowest of equal ones is taken.
         """
         darkness = [self._darkness(blob) for blob in blobs]
         shaded = self._shaded(blobs, darkness, _LIGHTER)
@@ -73,15 +73,18 @@ class Shadows:
         ]
 
     def _best(self, options: Sequence[Option], darkness: Sequence[float]) -> dict[int, list[Blob]]:
-        """For each blob the pieces of whose outlines least runs along a shadow, or where it meets the object."""
+        """For each blob the pieces with the longest outline off shadows, and off where they meet the object, less half
+        of the outline along them; as parts of the first option's length."""
         every = [(piece, darkness[i]) for i, pieces in options for piece in pieces]
         shaded = iter(self._shaded(*_columns(every), _WHERE_THEY_TOUCH))
         best: dict[int, list[Blob]] = {}
-        least: dict[int, float] = {}
+        most: dict[int, float] = {}
+        length: dict[int, int] = {}
         for i, pieces in options:
-            share = float(np.concatenate([next(shaded) for _ in pieces]).mean())
-            if share < least.get(i, np.inf) - _MUST_GAIN:
-                best[i], least[i] = pieces, share
+            along = np.concatenate([next(shaded) for _ in pieces])
+            clear = float((~along).sum() - along.sum() / 2) / length.setdefault(i, len(along))
+            if clear > most.get(i, -np.inf) + _MUST_GAIN:
+                best[i], most[i] = pieces, clear
         return best
 
     def _shaded(self, blobs: Sequence[Blob], darkness: Sequence[float], lighter: float) -> list[Bools]:
@@ -94,7 +97,16 @@ class Shadows:
         soft = (blur_px > _WIDER * self.lens_blur_px) | (step < _STEP * least)
         soft |= np.concatenate([blob.sharpness for blob in blobs]) < SHARP
         light = self._excess_inside(contours) < lighter * least
-        return np.split(soft & light, np.cumsum([len(contour) for contour in contours])[:-1])
+        return np.split(
+            (soft | self._at_border(contours)) & light, np.cumsum([len(contour) for contour in contours])[:-1]
+        )
+
+    def _at_border(self, contours_px: Sequence[Floats]) -> Bools:
+        """Which points (N,) of outlines are at the border of the view, where a shadow ends as sharply as an object."""
+        view = self.contrast.view
+        at = np.round((np.concatenate(contours_px) + 0.5) / view.reduction - 0.5).astype(np.int64)
+        columns, rows = np.clip(at, 0, np.array(view.core.shape[::-1]) - 1).T
+        return np.asarray(~view.core[rows, columns])
 
     def _excess_inside(self, contours_px: Sequence[Floats]) -> Floats:
         """By how much (N,) the view is darker than its background just inside of outlines [grey levels]."""

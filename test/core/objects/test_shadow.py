@@ -89,6 +89,30 @@ def test_parts_that_only_their_shadows_join_come_apart() -> None:
         np.testing.assert_allclose(blob.centroid_px, place, atol=0.5)
 
 
+@pytest.mark.parametrize("tones", [(40.0, 80.0), (80.0, 40.0), (35.0, 90.0)])
+def test_a_lighter_part_that_a_shadow_joins_to_a_darker_one_is_not_lost_with_it(tones: tuple[float, float]) -> None:
+    shade = discs([(270.0, 230.0, 25.0), (300.0, 232.0, 25.0), (350.0, 245.0, 25.0)], surface=1.0, background=0.0)
+    light = TABLE * (1 - 0.45 * cv2.GaussianBlur(shade, (0, 0), 4.0))
+    places = [(250.0, 220.0), (335.0, 235.0)]
+    for place, tone in zip(places, tones):
+        light += discs([(*place, 25.0)], surface=1.0, background=0.0) * (tone - light)
+    image = grey_image(light, noise_dn=1.0)
+    blobs = Detector(polarity="dark").detect(RectifiedPair(image, image, PARALLEL)).left
+    assert len(blobs) == 2
+    for blob, place in zip(blobs, places):
+        np.testing.assert_allclose(blob.centroid_px, place, atol=1.0)
+
+
+def test_a_part_whose_shadow_leaves_the_view_is_not_cut() -> None:
+    part = discs([(300.0, 430.0, 25.0)], surface=1.0, background=0.0)
+    shade = np.zeros_like(part)
+    shade[440:, 290:330] = 1.0
+    table = TABLE * (1 - 0.5 * cv2.GaussianBlur(shade, (0, 0), 4.0))
+    blob = found(table + part * (PART - table))
+    assert not blob.fault and not blob.cut
+    np.testing.assert_allclose(blob.centroid_px, (300.0, 430.0), atol=0.5)
+
+
 @pytest.mark.parametrize("blur_px", [0.7, 1.0, 1.5])
 def test_the_blur_of_the_lens_is_that_of_the_sharper_edges(blur_px: float) -> None:
     image = grey_image(on_table(0.5, 28.0), blur_px, noise_dn=1.0)
