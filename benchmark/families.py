@@ -160,6 +160,14 @@ def dark_on_light(random: Random) -> Staged:
     return _workshop(random, name, table, table_albedo=float(random.uniform(0.65, 0.85)))
 
 
+def bright_and_dark(random: Random) -> Staged:
+    """Bright and dark parts on a grey table."""
+    name, table = _table(random, (32, 75))
+    for part in [*mixed(random, 3, (0.04, 0.12)), *mixed(random, 3, (0.65, 0.9))]:
+        table.add(part)
+    return _workshop(random, name, table, table_albedo=float(random.uniform(0.25, 0.4)))
+
+
 def glossy(random: Random) -> Staged:
     """Metal: high lights and reflections of the room."""
     name, table = _with_mixed(random, albedos=(0.25, 0.5), gloss=float(random.uniform(0.3, 0.7)))
@@ -207,8 +215,8 @@ FAMILIES: dict[str, Family] = {
     family.__name__: family
     for family in (
         two_cylinders, four_cylinders, mixed_shapes, light_differences, low_contrast, elevation_30_to_90, side_light,
-        touching, occluded, many_small, dark_on_light, glossy, planks_and_prints, table_edge, textured_parts, tubes,
-        empty,
+        touching, occluded, many_small, dark_on_light, bright_and_dark, glossy, planks_and_prints, table_edge,
+        textured_parts, tubes, empty,
     )
 }  # fmt: skip
 

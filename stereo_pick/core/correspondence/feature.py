@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
-from stereo_pick.core.correspondence.apart import Matching, taken_apart
-from stereo_pick.core.correspondence.assignment import assign
+from stereo_pick.core.correspondence.certainty import sigma_of_width
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
-from stereo_pick.core.correspondence.left_over import left_over
-from stereo_pick.core.correspondence.located import locate
+from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.method import Method
-from stereo_pick.core.correspondence.on_table import SecondLook, lit_parts
-from stereo_pick.core.correspondence.overlap import one_in_each_place
+from stereo_pick.core.correspondence.other_polarity import joined
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, with_dark_ends
+from stereo_pick.core.correspondence.reading import Reader, Reading
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.errors import ArrayError, ParameterError
@@ -26,7 +22,6 @@ from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.focus import lens_blur_px
 from stereo_pick.core.params import parameter
-from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import common_normal
 from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX
@@ -34,8 +29,6 @@ from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.table import FOUND, NONE, Table
 
 Pairs = list[tuple[int, int]]
-
-_PLAIN_SIGMA_PX = 0.3  # of a centroid of whole pixels: shading moves its edges along whole arcs
 
 
 @dataclass(frozen=True)
@@ -77,6 +70,12 @@ class Feature(Method):
         "anywhere; or the plane itself, as its normal towards the cameras and its offset, `nx ny nz d`: the points "
         "p [m] in the rectified left camera frame with n p + d = 0.",
     )
+    max_sigma_of_width: float = parameter(
+        0.5,
+        "One sigma of an object's depth, as a part of its middle size, from which it is refused: a gripper might miss.",
+        low=0.01,
+        high=10.0,
+    )
     ambiguity_margin: float = parameter(
         0.25,
         "How much better (0 the same, 1 from perfect to barely possible) a match must be than what is left over.",
@@ -97,64 +96,32 @@ class Feature(Method):
 
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         """Return the centres of matched objects, left to right in the left view."""
+        reader = Reader(_images(pair, blobs), self.similarity(pair.rig), self.ambiguity_margin, self.flat_parts)
         if self.assignment == "area":
-            left, right = blobs.sound()
-            matched = [(left[i], right[j]) for i, j in least_area_difference(left, right)]
-            return self._collected(_images(pair, blobs), blobs, matched, [])
-        matched, doubtful = self._paired(pair.rig, blobs.left, blobs.right)
-        return self._collected(_images(pair, blobs), blobs, matched, doubtful)
-
-    def _paired(
-        self, rig: StereoRig, left: Sequence[Blob], right: Sequence[Blob]
-    ) -> tuple[list[BlobPair], list[BlobPair]]:
-        """The pairs of objects that belong together, and those that might as well be paired otherwise."""
-        one, other = _located_blobs(left), _located_blobs(right)
-        cost = self.similarity(rig).costs(one, other)
-        pairs = uncrossed(assign(cost, unmatched_cost=1.0), cost, one, other)
-        doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin)
-        sure = [(one[i], other[j]) for i, j in pairs if (i, j) not in doubtful]
-        return sure, [(one[i], other[j]) for i, j in sorted(doubtful)]
-
-    def _collected(
-        self, images: Images, blobs: Blobs, matched: list[BlobPair], doubtful: list[BlobPair]
-    ) -> Correspondences:
-        kept, lost = _told_apart(self._located(images, matched, blobs.max_concavity))
-        unclear = [blob for each in doubtful for blob in each]
-        matching = Matching(
-            self.similarity(images.rig),
-            lambda left, right: self._paired(images.rig, left, right)[0],
-            lambda pairs: self._located(images, pairs, blobs.max_concavity),
-        )
-        blobs, rows = taken_apart(blobs, _blobs_of(kept) + unclear, matching)
-        found, lost_parts = _told_apart(rows)
-        kept, twice = one_in_each_place(kept + found)
-        lost = lost + lost_parts + twice
-        kept, off, table = self._on_table(images, blobs, kept, unclear)
-        lost = lost + off
-        lost = [row for row in lost if not _any_of(row[0], _blobs_of(kept)) and _all_of(row[0], blobs)]
-        refused = [Refusal(where.reason, where.left_px, where.right_px) for _, where in lost]
-        refused += [Refusal("ambiguous", left.centroid_px, right.centroid_px) for left, right in doubtful]
-        kept = [(each, with_dark_ends(images.rig, each, where)) for each, where in kept]
-        normal = table.normal if table else common_normal([where.fit for _, where in kept])
-        kept, unknown = self._of_known_reference(kept, normal)
-        refused += [Refusal("no_solid", where.left_px, where.right_px) for _, where in unknown]
-        kept = sorted(kept, key=lambda row: float(row[1].left_px[0]))
-        matches = [self._match(images.rig, left, where, normal) for (left, _), where in kept]
-        dealt_with = _blobs_of(kept + lost + unknown) + unclear
-        return collect(matches, [*refused, *left_over(blobs, dealt_with, self.similarity(images.rig))])
-
-    def _on_table(
-        self, images: Images, blobs: Blobs, kept: list[Row], unclear: list[Blob]
-    ) -> tuple[list[Row], list[Row], Table | None]:
-        """What is found with the table, what is refused because of it, and the table."""
-        if not _have_edges(blobs):
-            return kept, [], self._given_table()
-        left, right = (_without(side, _blobs_of(kept) + unclear) for side in (blobs.left, blobs.right))
-        look = SecondLook(images, lit_parts(left, right, self.disparities_px(images.rig)), self.flat_parts)
+            first, others = reader.look_at(blobs, _by_area(blobs), []), None
+        else:
+            first, others = reader.look(blobs), reader.look(blobs.others) if blobs.others else None
         table = self._given_table()
         if self.table == FOUND:
-            table = look.found_table(kept)
-        return (kept, [], None) if table is None else (*look.seen_on(table, kept), table)
+            table = reader.table(first, others.kept if others else [])
+        found = reader.read(first, table)
+        if others is not None:
+            besides = reader.read(others, table)
+            bright, dark = (found, besides) if blobs.polarity == "bright" else (besides, found)
+            found = joined(bright, dark, found, pair.rig)
+        return self._collected(pair.rig, found)
+
+    def _collected(self, rig: StereoRig, found: Reading) -> Correspondences:
+        kept = [(each, with_dark_ends(rig, each, where)) for each, where in found.kept]
+        normal = found.table.normal if found.table else common_normal([where.fit for _, where in kept])
+        kept, unknown = self._of_known_reference(kept, normal)
+        most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
+        sure = [row for row in kept if sigma_of_width(*row, rig) <= most]
+        unread = found.unread + [Unread("no_solid", *each) for each, _ in unknown]
+        unread += [Unread("uncertain", *row[0]) for row in kept if row not in sure]
+        sure.sort(key=lambda row: float(row[1].left_px[0]))
+        matches = [self._match(rig, left, where, normal) for (left, _), where in sure]
+        return collect(matches, [each.refusal for each in unread])
 
     def _of_known_reference(self, rows: list[Row], normal: Floats | None) -> tuple[list[Row], list[Row]]:
         """Those of which the reference point is known, and the others."""
@@ -163,11 +130,6 @@ class Feature(Method):
         if self.reference_point == "top" and normal is None:
             return [], rows
         return [row for row in rows if row[1].fit], [row for row in rows if not row[1].fit]
-
-    def _located(self, images: Images, matched: list[BlobPair], max_concavity: float) -> list[Row]:
-        if all(len(blob.sharpness) for each in matched for blob in each):
-            return list(zip(matched, locate(images, matched, max_concavity, self.flat_parts)))
-        return [((one, two), Located(one.centroid_px, two.centroid_px, _PLAIN_SIGMA_PX, None)) for one, two in matched]
 
     def _match(self, rig: StereoRig, left: Blob, where: Located, normal: Floats | None) -> Match:
         length, width, direction = left.rectangle
@@ -195,37 +157,12 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
     return [(i, int(np.abs(areas - blob.area_px2).argmin())) for i, blob in enumerate(left)]
 
 
+def _by_area(blobs: Blobs) -> list[BlobPair]:
+    left, right = blobs.sound()
+    return [(left[i], right[j]) for i, j in least_area_difference(left, right)]
+
+
 def _images(pair: RectifiedPair, blobs: Blobs) -> Images:
     sides = (blobs.left, pair.left), (blobs.right, pair.right)
     outlines = [([blob.contour_px for blob in side], image) for side, image in sides]
     return Images(pair, [lens_blur_px(*each) if each[0] else USUAL_BLUR_PX for each in outlines])
-
-
-def _told_apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
-    """Those whose place is known, and those that must be refused."""
-    return [row for row in rows if not row[1].reason], [row for row in rows if row[1].reason]
-
-
-def _blobs_of(rows: Sequence[Row]) -> list[Blob]:
-    return [blob for blobs, _ in rows for blob in blobs]
-
-
-def _without(blobs: Sequence[Blob], others: Sequence[Blob]) -> list[Blob]:
-    return [blob for blob in _located_blobs(blobs) if blob not in others]
-
-
-def _any_of(pair: BlobPair, others: Sequence[Blob]) -> bool:
-    return any(blob in others for blob in pair)
-
-
-def _all_of(pair: BlobPair, blobs: Blobs) -> bool:
-    return all(blob in (*blobs.left, *blobs.right) for blob in pair)
-
-
-def _have_edges(blobs: Blobs) -> bool:
-    return all(len(blob.sharpness) for blob in _located_blobs((*blobs.left, *blobs.right)))
-
-
-def _located_blobs(blobs: Sequence[Blob]) -> list[Blob]:
-    """Those whose place can be known: touching or half-lit parts too, as far as a solid explains them."""
-    return [blob for blob in blobs if blob.fault == "" or (blob.fault == "merged" and len(blob.sharpness))]

@@ -38,8 +38,18 @@ def reaches_down(left: Blob, right: Blob, rig: StereoRig, table: Table) -> bool:
     ahead = points.mean(axis=0) / np.linalg.norm(points.mean(axis=0))
     across = float(np.sqrt(max(1 - (ahead @ table.normal) ** 2, 0)))  # 1 from level, 0 from straight above
     of_ball = (1 - across) / (1 + across)
-    width_m = left.rectangle[1] * float(points[:, 2].mean()) / rig.focal_px
+    width_m = _width_m(left, points, rig)
     return bool(upper_m > _LEAST_HEIGHT * width_m and lower_m < (of_ball + _MARGIN) * upper_m)
+
+
+def stands_up(left: Blob, right: Blob, rig: StereoRig, table: Table) -> bool:
+    """Whether the upper point of an object with these outlines is above the table."""
+    points = frontier_m(left, right, rig)
+    return bool(table.height_m(points)[0] > _LEAST_HEIGHT * _width_m(left, points, rig))
+
+
+def _width_m(left: Blob, points: Floats, rig: StereoRig) -> float:
+    return left.rectangle[1] * float(points[:, 2].mean()) / rig.focal_px
 
 
 def _column_px(blob: Blob, end: int) -> float:

@@ -1,8 +1,9 @@
-"""Refusal of the objects that gave no match, each once although both cameras see it."""
+"""The objects that gave no match, each once although both cameras see it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,10 +13,24 @@ from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.refusal import Refusal
 
 
-def left_over(blobs: Blobs, dealt_with: Iterable[Blob], similarity: Similarity) -> list[Refusal]:
-    """The refusals of all objects but those `dealt_with`: faulty ones, and those that none of the other view fits.
+class Unread(NamedTuple):
+    """An object that is refused: a reason of `refusal.REASONS`, and its outlines in the views that show it."""
 
-    A faulty object and one of the other view that fits it are the same: one refusal, with its place in both views.
+    reason: str
+    left: Blob | None
+    right: Blob | None
+
+    @property
+    def refusal(self) -> Refusal:
+        """It, at the centroids of its outlines."""
+        left_px, right_px = (blob.centroid_px if blob else None for blob in (self.left, self.right))
+        return Refusal(self.reason, left_px, right_px)
+
+
+def left_over(blobs: Blobs, dealt_with: Iterable[Blob], similarity: Similarity) -> list[Unread]:
+    """All objects but those `dealt_with`: faulty ones, and those that none of the other view fits.
+
+    A faulty object and one of the other view that fits it are the same.
     """
     known = {id(blob) for blob in dealt_with}
     left = [blob for blob in blobs.left if id(blob) not in known]
@@ -23,10 +38,9 @@ def left_over(blobs: Blobs, dealt_with: Iterable[Blob], similarity: Similarity) 
     cost = similarity.costs(left, right)
     cost[np.ix_([not blob.fault for blob in left], [not blob.fault for blob in right])] = np.inf
     partner = dict(assign(cost, unmatched_cost=1.0))
-    refused = []
+    unread = []
     for i, blob in enumerate(left):
         other = right[partner[i]] if i in partner else None
-        fault = blob.fault or (other.fault if other else "left_only")
-        refused.append(Refusal(fault, blob.centroid_px, other.centroid_px if other else None))
+        unread.append(Unread(blob.fault or (other.fault if other else "left_only"), blob, other))
     alone = [blob for j, blob in enumerate(right) if j not in partner.values()]
-    return refused + [Refusal(blob.fault or "right_only", None, blob.centroid_px) for blob in alone]
+    return unread + [Unread(blob.fault or "right_only", None, blob) for blob in alone]

@@ -23,6 +23,11 @@ def none_behind_another(rows: Sequence[Row], rig: StereoRig) -> tuple[list[Row],
     return _compatible(rows, lambda one, other: _hides(one, other, rig) or _hides(other, one, rig))
 
 
+def clash(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
+    """Whether two solids are at the same place, or one is seen through the other."""
+    return one.overlaps(other) or _hides(one, other, rig) or _hides(other, one, rig)
+
+
 def _compatible(rows: Sequence[Row], clash: Callable[[SolidFit, SolidFit], bool]) -> tuple[list[Row], list[Row]]:
     stays: list[Row] = []
     goes: list[Row] = []

@@ -48,7 +48,7 @@ class Ssd(Method, WindowMatching):
         images = pair.left.astype(np.float32), pair.right.astype(np.float32)
         line = _Line(images, noise_dn(images[0]), left, right, self.disparities_px(pair.rig))
         matches: list[Match] = []
-        refused = left_over(blobs, [*left, *right], Feature().similarity(pair.rig))
+        refused = [each.refusal for each in left_over(blobs, [*left, *right], Feature().similarity(pair.rig))]
         for blob in left:
             if self.search == "full":
                 matches.append(_match(blob, _full_search(*images, blob.centroid_px), _FULL_WINDOW_PX))

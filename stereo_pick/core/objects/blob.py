@@ -60,6 +60,8 @@ class Blob:
         x, y = (np.concatenate([self.contour_px, self.contour_px[:1]]) - origin).T
         cross = x[:-1] * y[1:] - x[1:] * y[:-1]
         first = np.array([(x[:-1] + x[1:]) @ cross, (y[:-1] + y[1:]) @ cross])
+        if cross.sum() == 0:  # a line, there and back
+            return np.asarray(self.contour_px.mean(axis=0))
         return np.asarray(origin + first / (3 * cross.sum()))
 
     @cached_property
@@ -130,7 +132,7 @@ class Blobs:
     """The objects found in both rectified views, and the polarity that both were found with.
 
     view_faults: why the left and the right view cannot show all objects, a reason of `refusal.REASONS`, or empty;
-    max_concavity: that of one part's outline.
+    max_concavity: that of one part's outline; others: what may be objects of the other polarity, if there is any.
     """
 
     left: tuple[Blob, ...]
@@ -138,6 +140,7 @@ class Blobs:
     polarity: str
     view_faults: tuple[str, str] = ("", "")
     max_concavity: float = MAX_CONCAVITY
+    others: Blobs | None = None
 
     def sound(self) -> tuple[list[Blob], list[Blob]]:
         """The objects of the left and of the right view that may be matched."""

@@ -14,6 +14,7 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ImageError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.background_files import load_background
+from stereo_pick.core.objects.beside import beside_bright
 from stereo_pick.core.objects.blob import MAX_CONCAVITY, Blob, Blobs
 from stereo_pick.core.objects.exposure import view_fault, with_saturation
 from stereo_pick.core.objects.focus import is_out_of_focus
@@ -97,7 +98,7 @@ class Detector(Configurable):
         """Return the objects of both views, left to right.
 
         With polarity = auto the way of reading them with more contrast energy (area x contrast²) wins, for both
-        views together: a shadow is a weaker mark than its object.
+        views together: a shadow is a weaker mark than its object. What the other way may show besides comes apart.
         """
         learned = self._learned if self.threshold == "background" else None
         if learned is not None:
@@ -114,7 +115,38 @@ class Detector(Configurable):
             best.polarity,
             max_concavity=self.max_concavity,
         )
-        return replace(found, view_faults=(self._view_fault(found.left, left), self._view_fault(found.right, right)))
+        faults = self._view_fault(found.left, left), self._view_fault(found.right, right)
+        found = replace(found, view_faults=faults)
+        others = self._others(found, left, right)
+        if others is None:
+            return found
+        dark, bright = (found, others) if found.polarity == "dark" else (others, found)
+        dark = replace(
+            dark,
+            left=beside_bright(dark.left, bright.left),
+            right=beside_bright(dark.right, bright.right),
+        )
+        return replace(dark, others=bright) if found.polarity == "dark" else replace(bright, others=dark)
+
+    def _others(self, found: Blobs, left: Contrast, right: Contrast) -> Blobs | None:
+        """What may be objects of the other polarity, where it was not chosen; None where a view shows nothing."""
+        if self.polarity != "auto" or self.threshold != "background":
+            return None
+        polarity = "dark" if found.polarity == "bright" else "bright"
+        sides = (found.left, left), (found.right, right)
+        least = self.min_area_px * self.min_contrast**2
+        if any(contrast.energies()[polarity] < least for _, contrast in sides):
+            return None
+        read = self._read(left, right, polarity)
+        one, other = (self._other_side(blobs, polarity, *side) for blobs, side in zip((read.left, read.right), sides))
+        return Blobs(one, other, polarity, max_concavity=self.max_concavity) if one and other else None
+
+    def _other_side(
+        self, blobs: tuple[Blob, ...], polarity: str, objects: tuple[Blob, ...], contrast: Contrast
+    ) -> tuple[Blob, ...]:
+        strongest = max((blob.contrast for blob in objects), default=0.0)
+        finished = self._finished(blobs, contrast, polarity, strongest)
+        return tuple(blob for blob in finished if blob.fault in ("", "merged"))
 
     def _contrast(self, image: Image, camera: Camera, learned: LearnedView | None) -> Contrast:
         view = View.of(image, camera, None if self.subpixel and self.threshold == "background" else 1)
@@ -164,9 +196,11 @@ class Detector(Configurable):
         """The left view's objects in the region of interest; the right view shows it at unknown columns."""
         return tuple(b for b in blobs if _within(b.centroid_px[0], self.roi_x_px, self.roi_width_px))
 
-    def _finished(self, blobs: tuple[Blob, ...], contrast: Contrast, polarity: str) -> tuple[Blob, ...]:
+    def _finished(
+        self, blobs: tuple[Blob, ...], contrast: Contrast, polarity: str, strongest: float = 0.0
+    ) -> tuple[Blob, ...]:
         """The objects with refined outlines, without shadows, and with their faults."""
-        strongest = max((blob.contrast for blob in blobs), default=0.0)
+        strongest = max([strongest, *(blob.contrast for blob in blobs)])
         least = max(float(self.min_contrast), self.min_relative_contrast * strongest)
         faint = [replace(blob, fault="faint") for blob in blobs if blob.peak < least]
         clear = self._refined([blob for blob in blobs if blob.peak >= least], contrast)

@@ -133,5 +133,11 @@ def test_who_allows_every_outline_gets_a_notched_part_located(max_concavity: flo
     blobs = Detector(max_concavity=max_concavity).detect(RectifiedPair(views[1], views[0], PARALLEL))
     whole = [blob for blob in blobs.left if blob.concavity > 0.15]
     assert len(whole) == 1
-    found = Feature().match(RectifiedPair(views[1], views[0], PARALLEL), blobs)
+    found = Feature(max_sigma_of_width=10).match(RectifiedPair(views[1], views[0], PARALLEL), blobs)
     assert sum(extent is None for extent in found.extents) == count
+
+
+def test_what_is_less_sure_than_is_asked_for_is_refused() -> None:
+    views = [disc(200, 100, 20)], [disc(150, 100, 20)]
+    assert len(match(*views)) == 1
+    assert count_reasons(match(*views, Feature(max_sigma_of_width=0.01)).refused) == {"uncertain": 1}

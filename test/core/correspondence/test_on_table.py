@@ -77,7 +77,8 @@ def test_who_cannot_tell_two_solids_says_how_far_they_are_apart() -> None:
     """A box seen from above, its sides in its shadow: a lying cylinder has about as many edges."""
     scene = staged("elevation_30_to_90", 18)
     frame, truth = scene.taken()
-    poses = Pipeline(scene.rig, Steps()).run(frame).poses
+    assert count_reasons(Pipeline(scene.rig, Steps()).run(frame).poses.refused)["uncertain"] == 1
+    poses = Pipeline(scene.rig, Steps(method=Feature(max_sigma_of_width=10))).run(frame).poses
     off = poses.xyz[:, None] - np.array([each.centre_m for each in truth.objects])
     nearest = off[np.arange(len(off)), (off**2).sum(axis=2).argmin(axis=1)]
     squares = np.einsum("ni,nij,nj->n", nearest, np.linalg.inv(poses.covariance), nearest)

@@ -54,6 +54,11 @@ def test_a_triangle_has_its_centroid_not_that_of_its_corners_box() -> None:
     np.testing.assert_allclose(Blob(np.array([(0, 0), (9, 0), (0, 3)]), 1.0).centroid_px, (3, 1))
 
 
+def test_an_outline_without_area_has_the_centroid_of_its_points() -> None:
+    line = np.array([[3.0, 4.0], [5.0, 4.0], [7.0, 4.0], [5.0, 4.0]])
+    assert Blob(line, 10.0).centroid_px.tolist() == [5.0, 4.0]
+
+
 def test_rows_are_those_of_the_topmost_and_the_lowest_point() -> None:
     assert disc(50, 70, 20).rows_px == pytest.approx((50, 90))
 

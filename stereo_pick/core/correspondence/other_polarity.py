@@ -1,0 +1,60 @@
+"""Dark objects among bright ones, or bright among dark: what is no shadow, no high light, and no print.
+
+All of these lie flat on the table, or on another object. What stands up is an object.
+"""
+
+from __future__ import annotations
+
+from stereo_pick.core.correspondence.frontier import stands_up
+from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.overlap import clash
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row
+from stereo_pick.core.correspondence.reading import Reading
+from stereo_pick.core.objects.beside import are_beside, is_high_light
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.common_table import stands_on
+from stereo_pick.core.shapes.hypotheses import BODY
+from stereo_pick.core.shapes.table import Table
+
+_FADING = 0.25  # of a bright object's width: as far away from its outline a round one may get dark
+
+
+def joined(bright: Reading, dark: Reading, chosen: Reading, rig: StereoRig) -> Reading:
+    """The objects of both polarities; chosen: the one of the two that shows more, and needs less proof.
+
+    Where a bright and a dark one are in each other's way, the dark one is the other's shadow or dark side. What is dark
+    beside a bright one mostly is its shadow, too: it is spoken of where dark objects are the rule.
+    """
+    table = chosen.table
+    other = dark if chosen is bright else bright
+    certain = {id(row) for row in chosen.kept} | {id(row) for row in other.kept if _is_body(row[1], table)}
+    light = [row for row in bright.kept if id(row) in certain and not _is_on_one_of(row[0], dark.kept)]
+    kept = [row for row in dark.kept if id(row) in certain and not any(_is_of(row, each, rig) for each in light)]
+    besides = [each for each in other.unread if each.reason != "beside_bright" and _stands_up(each, rig, table)]
+    return Reading(light + kept, chosen.unread + besides, table)
+
+
+def _is_body(where: Located, table: Table | None) -> bool:
+    """Whether it stands on the table; one of unknown shape is kept only where its outlines reach down to that."""
+    if table is None:
+        return where.fit is not None and where.fit.flatness >= BODY
+    return where.fit is None or (where.fit.flatness >= BODY and stands_on(table, where.fit))
+
+
+def _is_on_one_of(bright: BlobPair, dark: list[Row]) -> bool:
+    return any(is_high_light(one, other) for pair, _ in dark for one, other in zip(bright, pair))
+
+
+def _is_of(dark: Row, bright: Row, rig: StereoRig) -> bool:
+    """Whether what is dark is a bright object's own side, or its shadow."""
+    fits = dark[1].fit, bright[1].fit
+    if fits[0] is not None and fits[1] is not None and clash(fits[0], fits[1], rig):
+        return True
+    thin = fits[0] is not None and fits[0].flatness < BODY
+    return thin and any(are_beside(one, other, _FADING * other.rectangle[1]) for one, other in zip(dark[0], bright[0]))
+
+
+def _stands_up(unread: Unread, rig: StereoRig, table: Table | None) -> bool:
+    if table is None or unread.left is None or unread.right is None:
+        return False
+    return stands_up(unread.left, unread.right, rig, table)

@@ -1,0 +1,39 @@
+"""What is dark beside a bright object: its shadow, its own dark side, or another object that touches it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from stereo_pick.core.objects.blob import Blob
+
+_BESIDE_PX = 5.0  # between two outlines: the blur of both
+_HIGH_LIGHT = 0.5  # of a dark object's area, at most
+
+
+def beside_bright(dark: Sequence[Blob], bright: Sequence[Blob]) -> tuple[Blob, ...]:
+    """The dark blobs of a view; those beside a bright one are faulty, unless that is a high light on a dark one."""
+    objects = [blob for blob in bright if not any(is_high_light(blob, each) for each in dark)]
+    return tuple(_faulty(blob) if any(are_beside(blob, each) for each in objects) else blob for blob in dark)
+
+
+def is_high_light(bright: Blob, dark: Blob) -> bool:
+    """Whether a bright blob is a small place on a dark one."""
+    outline = dark.contour_px.astype(np.float32)
+    inside = all(cv2.pointPolygonTest(outline, (x, y), False) >= 0 for x, y in bright.contour_px[::4].tolist())
+    return inside and bright.area_px2 < _HIGH_LIGHT * dark.area_px2
+
+
+def are_beside(one: Blob, other: Blob, reach_px: float = _BESIDE_PX) -> bool:
+    """Whether two outlines come as near to each other as this."""
+    outline = other.contour_px
+    low, high = outline.min(axis=0) - reach_px, outline.max(axis=0) + reach_px
+    near = one.contour_px[((one.contour_px > low) & (one.contour_px < high)).all(axis=1)]
+    return any(float(np.hypot(*(outline - point).T).min()) < reach_px for point in near)
+
+
+def _faulty(blob: Blob) -> Blob:
+    return replace(blob, fault=blob.fault if blob.fault not in ("", "merged") else "beside_bright")

@@ -1,0 +1,89 @@
+"""Dark objects among bright ones: found, and not taken for shadows, nor shadows for them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from families import staged
+from rendering import Box, Carton, Cylinder, Scene, Solid, Sphere, lamp_at, render
+from rendering.rigs import table_before
+from rigs import RIGS
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.objects import Detector
+from stereo_pick.core.pipeline import Pipeline, Result, Steps
+from stereo_pick.core.refusal import count_reasons
+
+RIG = RIGS["thesis"]
+PLACED = table_before(RIG, 0.9, elevation_deg=50)
+BRIGHT = (
+    Cylinder(-0.09, -0.05, (0.045, 0.045, 0.05)),
+    Box(0.09, -0.06, (0.06, 0.04, 0.035), yaw_rad=0.5),
+    Cylinder(0.0, 0.08, (0.04, 0.04, 0.045)),
+)
+DARK = (
+    Box(0.0, -0.02, (0.05, 0.045, 0.04), yaw_rad=0.3, albedo=0.06),
+    Cylinder(0.1, 0.05, (0.05, 0.05, 0.04), albedo=0.08),
+    Sphere(-0.1, 0.06, (0.045,) * 3, albedo=0.05),
+)
+LOW_LAMP = (lamp_at(25, 40, 1.5, 1.5, 0.03),)
+
+
+def seen(parts: Sequence[Solid], detector: Detector | None = None, **of_scene: object) -> tuple[Scene, Result]:
+    scene = Scene(tuple(parts), PLACED, **{"table_albedo": 0.3, **of_scene})
+    return scene, Pipeline(RIG, Steps(detector=detector or Detector())).run(render(RIG, scene, seed=1))
+
+
+def off_m(result: Result, positions_m: Floats) -> Floats:
+    return np.asarray(np.linalg.norm(result.poses.xyz[:, None] - positions_m, axis=2).min(axis=1))
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [BRIGHT + DARK, BRIGHT + DARK[:1], BRIGHT[:1] + DARK],
+    ids=["as many", "one dark among bright", "one bright among dark"],
+)
+def test_bright_and_dark_parts_of_one_table_are_all_found(parts: tuple[Solid, ...]) -> None:
+    scene, result = seen(parts)
+    assert len(result.poses) == len(parts) and not result.poses.refused
+    assert off_m(result, scene.positions_m()).max() < 1e-3
+
+
+def test_a_polarity_that_is_given_is_the_only_one() -> None:
+    for polarity, parts in (("bright", BRIGHT), ("dark", DARK)):
+        _, result = seen(BRIGHT + DARK, Detector(polarity=polarity))
+        assert len(result.poses) == len(parts)
+
+
+def test_shadows_of_bright_parts_are_no_dark_parts() -> None:
+    scene, result = seen(BRIGHT, lamps=LOW_LAMP, ambient=0.3, shadows=True)
+    assert result.blobs.others is not None  # the shadows were seen
+    assert len(result.poses) == len(BRIGHT) and off_m(result, scene.positions_m()).max() < 1e-3
+    assert set(count_reasons(result.poses.refused)) <= {"faint"}
+
+
+def test_a_dark_print_is_no_dark_part_and_is_not_spoken_of() -> None:
+    scene, result = seen(BRIGHT, paints=(Carton(0.0, -0.03, 0.05, 0.04, 0.4, albedo=0.06, ink=1.0),))
+    assert result.blobs.others is not None
+    assert len(result.poses) == len(BRIGHT) and off_m(result, scene.positions_m()).max() < 1e-3
+    assert not result.poses.refused
+
+
+def test_what_is_dark_beside_a_bright_part_is_refused_where_dark_parts_are_the_rule() -> None:
+    """In contact it could be the bright one's shadow or dark side."""
+    beside = Cylinder(-0.09, 0.0, (0.045, 0.045, 0.03), albedo=0.05)
+    scene, result = seen((*DARK, BRIGHT[0], beside))
+    assert result.blobs.polarity == "dark"
+    assert len(result.poses) >= len(DARK) and off_m(result, scene.positions_m()[:-1]).max() < 1e-3
+    assert "beside_bright" in count_reasons(result.poses.refused)
+
+
+def test_in_scenes_of_both_none_is_found_where_none_is() -> None:
+    for seed in range(4):
+        scene = staged("bright_and_dark", seed)
+        frame, truth = scene.taken()
+        result = Pipeline(scene.rig, Steps()).run(frame)
+        nearest = off_m(result, np.array([each.centre_m for each in truth.objects]))
+        assert len(nearest) >= 4 and (nearest < 0.01).all()
