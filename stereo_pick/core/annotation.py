@@ -25,8 +25,7 @@ def annotate(pair: RectifiedPair, blobs: Blobs, found: Correspondences, poses: O
     refused = poses.refused if poses is not None else found.refused
     for canvas, side in ((left, "left"), (right, "right")):
         bad = [(point, refusal.reason) for refusal in refused if (point := getattr(refusal, f"{side}_px")) is not None]
-        for blob in getattr(blobs, side):
-            _outline(canvas, blob, _REFUSED if any(_at(blob, point) for point, _ in bad) else _FOUND)
+        _outlines(canvas, blobs, side, [point for point, _ in bad], getattr(found, f"{side}_px"))
         for point, reason in bad:
             _write(canvas, point, [reason], _REFUSED)
     picture: Image = np.hstack([left, right])
@@ -42,6 +41,17 @@ def annotate(pair: RectifiedPair, blobs: Blobs, found: Correspondences, poses: O
     return picture
 
 
+def _outlines(canvas: Image, blobs: Blobs, side: str, refused_px: list[Floats], found_px: Floats) -> None:
+    """Those of the other polarity only where one was found or refused: most are shadows and prints."""
+    for blob in getattr(blobs, side):
+        _outline(canvas, blob, _REFUSED if any(_at(blob, point) for point in refused_px) else _FOUND)
+    for blob in getattr(blobs.others, side) if blobs.others else ():
+        if any(_at(blob, point) for point in refused_px):
+            _outline(canvas, blob, _REFUSED)
+        elif any(_holds(blob, point) for point in found_px):
+            _outline(canvas, blob, _FOUND)
+
+
 def _labels(count: int, poses: ObjectPoses | None) -> list[list[str]]:
     if poses is None or len(poses) != count:
         return [[str(index + 1)] for index in range(count)]
@@ -53,6 +63,11 @@ def _labels(count: int, poses: ObjectPoses | None) -> list[list[str]]:
 
 def _at(blob: Blob, point_px: Floats) -> bool:
     return bool(np.abs(blob.centroid_px - point_px).max() < 1e-6)
+
+
+def _holds(blob: Blob, point_px: Floats) -> bool:
+    x, y = point_px.tolist()
+    return cv2.pointPolygonTest(blob.contour_px.astype(np.float32), (x, y), False) >= 0
 
 
 def _outline(canvas: Image, blob: Blob, colour: tuple[int, int, int]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from outlines import PARALLEL, blank_pair, disc, seen
 from rigs import SIZE_PX
@@ -32,6 +34,14 @@ def test_what_was_found_is_green_and_what_was_refused_is_red() -> None:
     picture = annotate(PAIR, BLOBS, FOUND)
     assert greenness(picture, 200, 130) > 50 and greenness(picture, SIZE_PX[0] + 110, 130) > 50
     assert greenness(picture, 400, 280) < -50
+
+
+def test_of_the_other_polarity_only_what_was_found_is_drawn() -> None:
+    """The rest are shadows and prints."""
+    only_dark = replace(seen([], []), others=seen([disc(200, 150), disc(500, 100)], [disc(110, 150)]))
+    plain, picture = annotate(PAIR, seen([], []), FOUND), annotate(PAIR, only_dark, FOUND)
+    assert greenness(picture, 200, 130) > 50
+    np.testing.assert_array_equal(picture[70:130, 470:530], plain[70:130, 470:530])
 
 
 def test_positions_are_written_where_there_are_some() -> None:

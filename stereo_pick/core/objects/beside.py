@@ -8,16 +8,17 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from stereo_pick.core.objects.blob import Blob
+from stereo_pick.core.objects.blob import Blob, Blobs
 
 _BESIDE_PX = 5.0  # between two outlines: the blur of both
 _HIGH_LIGHT = 0.5  # of a dark object's area, at most
 
 
-def beside_bright(dark: Sequence[Blob], bright: Sequence[Blob]) -> tuple[Blob, ...]:
-    """The dark blobs of a view; those beside a bright one are faulty, unless that is a high light on a dark one."""
-    objects = [blob for blob in bright if not any(is_high_light(blob, each) for each in dark)]
-    return tuple(_faulty(blob) if any(are_beside(blob, each) for each in objects) else blob for blob in dark)
+def with_others(found: Blobs, others: Blobs) -> Blobs:
+    """The objects found, and those of the other polarity; dark ones beside a bright one are faulty."""
+    dark, bright = (found, others) if found.polarity == "dark" else (others, found)
+    dark = replace(dark, left=_shades(dark.left, bright.left), right=_shades(dark.right, bright.right))
+    return replace(dark, others=bright) if found.polarity == "dark" else replace(bright, others=dark)
 
 
 def is_high_light(bright: Blob, dark: Blob) -> bool:
@@ -33,6 +34,12 @@ def are_beside(one: Blob, other: Blob, reach_px: float = _BESIDE_PX) -> bool:
     low, high = outline.min(axis=0) - reach_px, outline.max(axis=0) + reach_px
     near = one.contour_px[((one.contour_px > low) & (one.contour_px < high)).all(axis=1)]
     return any(float(np.hypot(*(outline - point).T).min()) < reach_px for point in near)
+
+
+def _shades(dark: Sequence[Blob], bright: Sequence[Blob]) -> tuple[Blob, ...]:
+    """The dark blobs of a view; faulty beside a bright one, unless that is a high light on one of them."""
+    objects = [blob for blob in bright if not any(is_high_light(blob, each) for each in dark)]
+    return tuple(_faulty(blob) if any(are_beside(blob, each) for each in objects) else blob for blob in dark)
 
 
 def _faulty(blob: Blob) -> Blob:

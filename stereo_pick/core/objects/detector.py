@@ -14,7 +14,7 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ImageError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.background_files import load_background
-from stereo_pick.core.objects.beside import beside_bright
+from stereo_pick.core.objects.beside import with_others
 from stereo_pick.core.objects.blob import MAX_CONCAVITY, Blob, Blobs
 from stereo_pick.core.objects.exposure import view_fault, with_saturation
 from stereo_pick.core.objects.focus import is_out_of_focus
@@ -118,15 +118,7 @@ class Detector(Configurable):
         faults = self._view_fault(found.left, left), self._view_fault(found.right, right)
         found = replace(found, view_faults=faults)
         others = self._others(found, left, right)
-        if others is None:
-            return found
-        dark, bright = (found, others) if found.polarity == "dark" else (others, found)
-        dark = replace(
-            dark,
-            left=beside_bright(dark.left, bright.left),
-            right=beside_bright(dark.right, bright.right),
-        )
-        return replace(dark, others=bright) if found.polarity == "dark" else replace(bright, others=dark)
+        return found if others is None else with_others(found, others)
 
     def _others(self, found: Blobs, left: Contrast, right: Contrast) -> Blobs | None:
         """What may be objects of the other polarity, where it was not chosen; None where a view shows nothing."""
