@@ -16,6 +16,7 @@ from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.hypotheses import BODY
 from stereo_pick.core.shapes.table import Table
 
+_BODIES = ("half_lit", "off_table", "ambiguous")  # reasons that need the outlines of a body, or several alike
 _FADING = 0.25  # of a bright object's width: as far away from its outline a round one may get dark
 
 
@@ -30,7 +31,7 @@ def joined(bright: Reading, dark: Reading, chosen: Reading, rig: StereoRig) -> R
     certain = {id(row) for row in chosen.kept} | {id(row) for row in other.kept if _is_body(row[1], table)}
     light = [row for row in bright.kept if id(row) in certain and not _is_on_one_of(row[0], dark.kept)]
     kept = [row for row in dark.kept if id(row) in certain and not any(_is_of(row, each, rig) for each in light)]
-    besides = [each for each in other.unread if each.reason != "beside_bright" and _stands_up(each, rig, table)]
+    besides = [each for each in other.unread if _is_object(each, rig, table)]
     return Reading(light + kept, chosen.unread + besides, table)
 
 
@@ -54,7 +55,10 @@ def _is_of(dark: Row, bright: Row, rig: StereoRig) -> bool:
     return thin and any(are_beside(one, other, _FADING * other.rectangle[1]) for one, other in zip(dark[0], bright[0]))
 
 
-def _stands_up(unread: Unread, rig: StereoRig, table: Table | None) -> bool:
-    if table is None or unread.left is None or unread.right is None:
+def _is_object(unread: Unread, rig: StereoRig, table: Table | None) -> bool:
+    """Whether what was refused is no shadow: seen as a body in part, or with its upper end above the table."""
+    if unread.left is None or unread.right is None or unread.reason == "beside_bright":
         return False
-    return stands_up(unread.left, unread.right, rig, table)
+    if unread.reason in _BODIES:
+        return True
+    return table is not None and stands_up(unread.left, unread.right, rig, table)
