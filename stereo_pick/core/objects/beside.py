@@ -9,8 +9,10 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.objects.blob import Blob, Blobs
+from stereo_pick.core.objects.foreground import Contrast
 
 _BESIDE_PX = 5.0  # between two outlines: the blur of both
+_OF_SHADOW = 0.5  # of the light of the table, that a soft shadow takes away
 _HIGH_LIGHT = 0.5  # of a dark object's area, at most
 
 
@@ -19,6 +21,15 @@ def with_others(found: Blobs, others: Blobs) -> Blobs:
     dark, bright = (found, others) if found.polarity == "dark" else (others, found)
     dark = replace(dark, left=_shades(dark.left, bright.left), right=_shades(dark.right, bright.right))
     return replace(dark, others=bright) if found.polarity == "dark" else replace(bright, others=dark)
+
+
+def without_shadows(dark: Sequence[Blob], bright: Sequence[Blob], contrast: Contrast) -> tuple[Blob, ...]:
+    """The dark blobs of a view but those beside a bright one that take away no more light than its shadow does."""
+    return tuple(
+        blob
+        for blob in dark
+        if blob.peak > _OF_SHADOW * _level(blob, contrast) or not any(are_beside(blob, each) for each in bright)
+    )
 
 
 def is_high_light(bright: Blob, dark: Blob) -> bool:
@@ -34,6 +45,14 @@ def are_beside(one: Blob, other: Blob, reach_px: float = _BESIDE_PX) -> bool:
     low, high = outline.min(axis=0) - reach_px, outline.max(axis=0) + reach_px
     near = one.contour_px[((one.contour_px > low) & (one.contour_px < high)).all(axis=1)]
     return any(float(np.hypot(*(outline - point).T).min()) < reach_px for point in near)
+
+
+def _level(blob: Blob, contrast: Contrast) -> float:
+    """Grey level of the background where a blob is."""
+    column, row = np.round((blob.centroid_px + 0.5) / contrast.view.reduction - 0.5).astype(int)
+    last_row, last_column = np.array(contrast.view.smooth.shape) - 1
+    row, column = min(max(row, 0), last_row), min(max(column, 0), last_column)
+    return float(contrast.background.at(np.s_[row : row + 1, column : column + 1])[0, 0])
 
 
 def _shades(dark: Sequence[Blob], bright: Sequence[Blob]) -> tuple[Blob, ...]:

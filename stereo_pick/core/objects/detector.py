@@ -14,7 +14,7 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ImageError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.background_files import load_background
-from stereo_pick.core.objects.beside import with_others
+from stereo_pick.core.objects.beside import with_others, without_shadows
 from stereo_pick.core.objects.blob import MAX_CONCAVITY, Blob, Blobs
 from stereo_pick.core.objects.exposure import view_fault, with_saturation
 from stereo_pick.core.objects.focus import is_out_of_focus
@@ -136,6 +136,8 @@ class Detector(Configurable):
     def _other_side(
         self, blobs: tuple[Blob, ...], polarity: str, objects: tuple[Blob, ...], contrast: Contrast
     ) -> tuple[Blob, ...]:
+        if polarity == "dark":
+            blobs = without_shadows(blobs, objects, contrast)
         strongest = max((blob.contrast for blob in objects), default=0.0)
         finished = self._finished(blobs, contrast, polarity, strongest)
         return tuple(blob for blob in finished if blob.fault in ("", "merged"))
