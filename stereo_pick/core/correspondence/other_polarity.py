@@ -28,9 +28,10 @@ def joined(bright: Reading, dark: Reading, chosen: Reading, rig: StereoRig) -> R
     """
     table = chosen.table
     other = dark if chosen is bright else bright
-    certain = {id(row) for row in chosen.kept} | {id(row) for row in other.kept if _is_body(row[1], table)}
-    light = [row for row in bright.kept if id(row) in certain and not _is_on_one_of(row[0], dark.kept)]
-    kept = [row for row in dark.kept if id(row) in certain and not any(_is_of(row, each, rig) for each in light)]
+    bodies = [row for row in other.kept if _is_body(row[1], table)]
+    light, shade = (chosen.kept, bodies) if chosen is bright else (bodies, chosen.kept)
+    light = [row for row in light if not _is_on_one_of(row[0], dark.kept)]
+    kept = [row for row in shade if not any(_is_of(row, each, rig) for each in light)]
     besides = [each for each in other.unread if _is_object(each, rig, table)]
     return Reading(light + kept, chosen.unread + besides, table)
 

@@ -49,9 +49,7 @@ def are_beside(one: Blob, other: Blob, reach_px: float = _BESIDE_PX) -> bool:
 
 def _level(blob: Blob, contrast: Contrast) -> float:
     """Grey level of the background where a blob is."""
-    column, row = np.round((blob.centroid_px + 0.5) / contrast.view.reduction - 0.5).astype(int)
-    last_row, last_column = np.array(contrast.view.smooth.shape) - 1
-    row, column = min(max(row, 0), last_row), min(max(column, 0), last_column)
+    (row,), (column,) = contrast.view.nearest(blob.centroid_px[None])
     return float(contrast.background.at(np.s_[row : row + 1, column : column + 1])[0, 0])
 
 

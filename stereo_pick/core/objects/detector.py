@@ -98,7 +98,7 @@ class Detector(Configurable):
         """Return the objects of both views, left to right.
 
         With polarity = auto the way of reading them with more contrast energy (area x contrast²) wins, for both
-        views together: a shadow is a weaker mark than its object. What the other way may show besides comes apart.
+        views together: a shadow is a weaker mark than its object. What the other way may show besides is in `others`.
         """
         learned = self._learned if self.threshold == "background" else None
         if learned is not None:

@@ -55,7 +55,7 @@ class Shadows:
     def cut_off(self, blobs: Sequence[Blob], refine: Refine, min_area_px: int) -> list[Blob]:
         """What is left of blobs without their shadows; where a shadow stays, its rim is no edge.
 
-        Of the levels above which a shadow may end, the lowest of equal ones is taken.
+        The level is taken above which most of the outline is clear of shadows, the lowest of equal ones.
         """
         darkness = [self._darkness(blob) for blob in blobs]
         shaded = self._shaded(blobs, darkness, _LIGHTER)
@@ -97,24 +97,20 @@ class Shadows:
         soft = (blur_px > _WIDER * self.lens_blur_px) | (step < _STEP * least)
         soft |= np.concatenate([blob.sharpness for blob in blobs]) < SHARP
         light = self._excess_inside(contours) < lighter * least
-        return np.split(
-            (soft | self._at_border(contours)) & light, np.cumsum([len(contour) for contour in contours])[:-1]
-        )
+        shaded = (soft | self._at_border(contours)) & light
+        return np.split(shaded, np.cumsum([len(contour) for contour in contours])[:-1])
 
     def _at_border(self, contours_px: Sequence[Floats]) -> Bools:
         """Which points (N,) of outlines are at the border of the view, where a shadow ends as sharply as an object."""
         view = self.contrast.view
-        at = np.round((np.concatenate(contours_px) + 0.5) / view.reduction - 0.5).astype(np.int64)
-        columns, rows = np.clip(at, 0, np.array(view.core.shape[::-1]) - 1).T
-        return np.asarray(~view.core[rows, columns])
+        return np.asarray(~view.core[view.nearest(np.concatenate(contours_px))])
 
     def _excess_inside(self, contours_px: Sequence[Floats]) -> Floats:
         """By how much (N,) the view is darker than its background just inside of outlines [grey levels]."""
         view = self.contrast.view
         turns = [np.sign(cv2.contourArea(contour.astype(np.float32), oriented=True)) for contour in contours_px]
         inward = np.repeat(turns, [len(contour) for contour in contours_px])[:, None] * normals(contours_px)
-        at = (np.concatenate(contours_px) + _INSIDE_PX * inward + 0.5) / view.reduction - 0.5
-        columns, rows = np.clip(np.round(at), 0, np.array(view.smooth.shape[::-1]) - 1).astype(np.int64).T
+        rows, columns = view.nearest(np.concatenate(contours_px) + _INSIDE_PX * inward)
         low, high = (rows.min(), columns.min()), (rows.max() + 1, columns.max() + 1)
         excess = self.contrast.excess("dark", np.s_[low[0] : high[0], low[1] : high[1]])
         return np.asarray(excess[rows - low[0], columns - low[1]], np.float64)

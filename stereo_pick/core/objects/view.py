@@ -42,6 +42,12 @@ class View:
         small.reshape(-1)[rim] /= coverage
         return View(image, small, inside, core, reduction)
 
+    def nearest(self, points_px: Floats) -> tuple[Ints, Ints]:
+        """Rows and columns (N,) of the reduced view's pixels next to points (N, 2) of the view itself [px]."""
+        at = np.round((points_px + 0.5) / self.reduction - 0.5).astype(np.int64)
+        columns, rows = np.clip(at, 0, np.array(self.smooth.shape[::-1]) - 1).T
+        return rows, columns
+
     def full_px(self, reduced_px: Floats) -> Floats:
         """Points of the reduced view (..., 2) in the view itself [px]."""
         points: Floats = (reduced_px + 0.5) * self.reduction - 0.5
