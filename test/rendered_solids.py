@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from rendering import Lamp, Scene, Sensor, Solid, render
+from rendering import Box, Cylinder, Lamp, Scene, Sensor, Solid, Sphere, render
+from rendering.rigs import table_before
+from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.frames import RectifiedPair
@@ -16,6 +18,15 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.transform import Transform
 
 FROM_ABOVE = Lamp((0.0, 0.0, 1.0))
+RIG = RIGS["thesis"]
+PLACED = table_before(RIG, 0.9, elevation_deg=50)
+PARTS: dict[str, Solid] = {
+    "standing": Cylinder(-0.07, 0.0, (0.04, 0.04, 0.05)),
+    "box": Box(0.05, 0.0, (0.05, 0.036, 0.045), yaw_rad=0.4),
+    "sphere": Sphere(0.0, 0.07, (0.04, 0.04, 0.04)),
+    "lying": Cylinder(0.0, -0.06, (0.03, 0.03, 0.06), yaw_rad=0.5, lying=True),
+}
+"""One part of each kind, and one lying, apart from each other on a table before a rig."""
 
 
 def half_lit_scene(parts: Sequence[Solid], left_T_table: Transform, sides: float) -> Scene:

@@ -69,6 +69,12 @@ def contours_px(part: Part, rig: StereoRig) -> tuple[Floats, Floats]:
     return left, right
 
 
+def distances_px(points: Floats, contour: Floats) -> Floats:
+    """Of points (N, 2) from a closed contour, inside positive."""
+    line = contour.astype(np.float32)
+    return np.array([cv2.pointPolygonTest(line, (float(x), float(y)), True) for x, y in points])
+
+
 def outlines_of(part: Part, rig: StereoRig) -> tuple[Outline, Outline]:
     left, right = contours_px(part, rig)
     return Outline.from_contour(left), Outline.from_contour(right)

@@ -61,6 +61,11 @@ class StereoRig:
         return float(-self.right.P[0, 3] / self.right.P[0, 0])
 
     @property
+    def eyes_m(self) -> Floats:
+        """The two cameras' centres (2, 3) [m] in the rectified left frame."""
+        return np.array([[0.0, 0.0, 0.0], [self.baseline_m, 0.0, 0.0]])
+
+    @property
     def focal_px(self) -> float:
         """Focal length of the rectified cameras [px]."""
         return float(self.left.P[0, 0])

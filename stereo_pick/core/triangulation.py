@@ -71,6 +71,7 @@ class Triangulator(Configurable):
             *(Refusal("ray_gap", left_px[i], right_px[i], f"{gap[i] * 1000:.1f} mm") for i in np.flatnonzero(apart)),
         ]
         covariance = _covariance(left_px, right_px, correspondences.sigma_px, rig)
+        covariance = covariance + rig.left.R.T @ correspondences.covariance @ rig.left.R
         return Points((left + right)[row] / 2, covariance[row], gap[row], row, (*correspondences.refused, *refused))
 
 

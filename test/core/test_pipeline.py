@@ -171,19 +171,19 @@ TABLE_3_14 = [f"table_3_14/case_{case}" for case in range(1, 8)]
 def test_every_cylinder_of_the_thesiss_tables_is_found_and_nothing_else(name: str, shared_data: Path) -> None:
     result, truth = bench_scene(shared_data / "bench_rig", name)
     xyz = in_order_of(truth, result.poses.xyz)
-    assert np.linalg.norm(xyz - truth, axis=1).max() < 2e-3
+    assert np.linalg.norm(xyz - truth, axis=1).mean() < 0.3e-3
 
 
 @pytest.mark.parametrize("names", [TABLE_3_14, ["table_3_16/case_1"]], ids=["table 3.14", "table 3.16"])
-def test_depths_between_cylinders_are_better_than_the_thesiss(names: list[str], shared_data: Path) -> None:
-    """The thesis reports 1.2 mm on average."""
+def test_depths_between_cylinders_are_ten_times_better_than_the_thesiss(names: list[str], shared_data: Path) -> None:
+    """The thesis reports 1.2 mm on average, and 2.9 mm at most."""
     errors_mm: list[float] = []
     for name in names:
         result, truth = bench_scene(shared_data / "bench_rig", name)
         xyz = in_order_of(truth, result.poses.xyz)
         i, j = np.triu_indices(len(truth), 1)
         errors_mm += list(np.abs((xyz[j, 2] - xyz[i, 2]) - (truth[j, 2] - truth[i, 2])) * 1000)
-    assert np.mean(errors_mm) <= 1.0
+    assert np.mean(errors_mm) <= 0.12 and np.max(errors_mm) <= 0.4
 
 
 def test_the_path_traced_empty_table_is_empty(shared_data: Path) -> None:

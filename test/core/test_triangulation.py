@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -121,6 +123,18 @@ def test_the_covariance_is_that_of_many_noisy_measurements(name: str, sigma_px: 
     scatter = np.cov(ANY_GAP.triangulate(seen_at(*noisy), rig).xyz.T)
     np.testing.assert_allclose(stated, scatter, atol=0.1 * np.abs(scatter).max())
     np.testing.assert_allclose(np.linalg.eigvalsh(stated), np.linalg.eigvalsh(scatter), rtol=0.1)
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_what_moves_both_points_together_adds_to_the_covariance(name: str) -> None:
+    """A point that is somewhere else in the rectified frame, and is seen there exactly."""
+    rig, rng = RIGS[name], np.random.default_rng(10)
+    root = rng.normal(scale=3e-4, size=(3, 3))
+    moved = np.array([0.05, -0.03, 0.95]) + rng.normal(size=(20000, 3)) @ root.T @ rig.left.R
+    scatter = np.cov(ANY_GAP.triangulate(seen_at(*shown(rig, moved)), rig).xyz.T)
+    seen = seen_at(*shown(rig, moved[:1]), sigma_px=1e-6)
+    stated = Triangulator().triangulate(replace(seen, covariance=(root @ root.T)[None]), rig).covariance[0]
+    np.testing.assert_allclose(stated, scatter, atol=0.05 * np.abs(scatter).max())
 
 
 def test_rays_that_meet_behind_the_cameras_are_refused() -> None:

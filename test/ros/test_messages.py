@@ -128,7 +128,17 @@ def correspondences(count: int = 3) -> Correspondences:
     box = Extent("box", rotation((0.1, -0.4, 2.0)), np.array([0.05, 0.04, 0.03]))
     ball = Extent("sphere", np.eye(3), np.full(3, 0.02))
     extents = (box, None, ball)[:count]
-    return Correspondences(columns(2), columns(2), columns(2), columns(2), columns(1)[:, 0], tuple(refused), extents)
+    roots = RNG.normal(size=(count, 3, 3))
+    return Correspondences(
+        columns(2),
+        columns(2),
+        columns(2),
+        columns(2),
+        columns(1)[:, 0],
+        tuple(refused),
+        extents,
+        roots @ roots.transpose(0, 2, 1),
+    )
 
 
 @pytest.mark.parametrize("count", [0, 1, 3])
@@ -138,6 +148,7 @@ def test_correspondences_come_back_with_their_refusals(count: int) -> None:
     after = correspondences_of(message)
     for name in ("left_px", "right_px", "sigma_px", "size_px", "direction_rad"):
         assert (getattr(after, name) == getattr(before, name)).all()
+    np.testing.assert_allclose(after.covariance, before.covariance, rtol=1e-12)
     for one, other in zip(after.extents, before.extents, strict=True):
         assert (one is None) == (other is None)
         if one is not None and other is not None:
@@ -209,7 +220,7 @@ def test_rows_that_no_version_of_the_node_sends_are_refused() -> None:
     nan_in_match.data[:8] = array("B", np.array([np.nan]).tobytes())
     with pytest.raises(ArrayError, match="left_px holds nan"):
         correspondences_of(nan_in_match)
-    message.data[message.point_step + 16 * 8] = 250  # after 16 numbers
+    message.data[message.point_step + 22 * 8] = 250  # after 22 numbers
     with pytest.raises(StereoPickError, match="unknown reason 250"):
         correspondences_of(sent(message))
 

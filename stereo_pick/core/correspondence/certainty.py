@@ -11,10 +11,12 @@ from stereo_pick.core.rig import StereoRig
 def sigma_of_width(blobs: BlobPair, where: Located, rig: StereoRig) -> float:
     """One sigma of an object's depth, as a part of its middle size, or of the width of its outline.
 
-    With Z = f B / d, an error of both image points by sigma moves the depth by √2 sigma Z² / (f B).
+    With Z = f B / d, an error of both image points by sigma moves the depth by √2 sigma Z² / (f B); what moves them
+    together adds to that.
     """
     offset_px = rig.left.P[0, 2] - rig.right.P[0, 2]
     disparity_px = float(where.left_px[0] - where.right_px[0] - offset_px)
     depth_m = rig.focal_px * rig.baseline_m / max(disparity_px, 1e-6)
     width_m = float(np.median(where.fit.size_m)) if where.fit else blobs[0].rectangle[1] * depth_m / rig.focal_px
-    return float(np.sqrt(2)) * where.sigma_px * depth_m**2 / (rig.focal_px * rig.baseline_m) / width_m
+    apart_m = float(np.sqrt(2)) * where.sigma_px * depth_m**2 / (rig.focal_px * rig.baseline_m)
+    return float(np.hypot(apart_m, np.sqrt(where.covariance[2, 2]))) / width_m

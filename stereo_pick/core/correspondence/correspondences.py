@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,9 +18,10 @@ class Correspondences:
     """N matched objects, and what was refused.
 
     left_px, right_px: (N, 2) in the rectified views [px]; sigma_px: (N, 2), one sigma of the left and of the
-    right point in each direction [px], the currency in which all methods state their uncertainty;
-    size_px: (N, 2), length and width of the object in the left rectified view [px]; direction_rad: (N,),
-    direction of its length there, from the x axis towards y; extents: N, the solid that explains it, or None.
+    right point in each direction [px], the currency in which all methods state their uncertainty; covariance:
+    (N, 3, 3) [m²], rectified left frame, what adds to that of the position: both points are off together where a solid
+    is; size_px: (N, 2), length and width of the object in the left rectified view [px]; direction_rad: (N,), direction
+    of its length there, from the x axis towards y; extents: N, the solid that explains it, or None.
     """
 
     left_px: Floats
@@ -30,12 +31,16 @@ class Correspondences:
     direction_rad: Floats
     refused: tuple[Refusal, ...] = ()
     extents: tuple[Extent | None, ...] = ()
+    covariance: Floats = field(default_factory=lambda: np.zeros((0, 3, 3)))
 
     def __post_init__(self) -> None:
         count = len(self.left_px)
         for name in ("left_px", "right_px", "sigma_px", "size_px"):
             object.__setattr__(self, name, floats(name, np.reshape(getattr(self, name), (-1, 2)), count, 2))
         object.__setattr__(self, "direction_rad", floats("direction_rad", self.direction_rad, count))
+        if not len(self.covariance):
+            object.__setattr__(self, "covariance", np.zeros((count, 3, 3)))
+        object.__setattr__(self, "covariance", floats("covariance", self.covariance, count, 3, 3))
         if not self.extents:
             object.__setattr__(self, "extents", (None,) * count)
         if len(self.extents) != count:
@@ -55,6 +60,7 @@ class Match:
     size_px: tuple[float, float]
     direction_rad: float
     extent: Extent | None = None
+    covariance: Floats = field(default_factory=lambda: np.zeros((3, 3)))
 
 
 def collect(matches: Sequence[Match], refused: Sequence[Refusal]) -> Correspondences:
@@ -67,4 +73,5 @@ def collect(matches: Sequence[Match], refused: Sequence[Refusal]) -> Corresponde
         direction_rad=np.array([match.direction_rad for match in matches], np.float64),
         refused=tuple(refused),
         extents=tuple(match.extent for match in matches),
+        covariance=np.array([match.covariance for match in matches]).reshape(-1, 3, 3),
     )

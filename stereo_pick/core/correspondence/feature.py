@@ -13,10 +13,11 @@ from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.other_polarity import joined
-from stereo_pick.core.correspondence.position import BlobPair, Located, Row, with_dark_ends
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.reading import Reader, Reading
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.similarity import Similarity
+from stereo_pick.core.correspondence.together import adjusted_together
 from stereo_pick.core.errors import ArrayError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
@@ -109,15 +110,18 @@ class Feature(Method):
             besides = reader.read(others, table)
             bright, dark = (found, besides) if blobs.polarity == "bright" else (besides, found)
             found = joined(bright, dark, found, pair.rig)
-        return self._collected(pair.rig, found)
+        return self._collected(reader.images, found)
 
-    def _collected(self, rig: StereoRig, found: Reading) -> Correspondences:
-        kept = [(each, with_dark_ends(rig, each, where)) for each, where in found.kept]
-        normal = found.table.normal if found.table else common_normal([where.fit for _, where in kept])
-        kept, unknown = self._of_known_reference(kept, normal)
+    def _collected(self, images: Images, found: Reading) -> Correspondences:
+        rig = images.rig
+        together = adjusted_together(images, found.kept, found.table, self.table not in (FOUND, NONE))
+        table = together.table
+        normal = table.normal if table else common_normal([where.fit for _, where in together.kept])
+        kept, unknown = self._of_known_reference(together.kept, normal)
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
         sure = [row for row in kept if sigma_of_width(*row, rig) <= most]
         unread = found.unread + [Unread("no_solid", *each) for each, _ in unknown]
+        unread += [Unread("other_shape", *each) for each, _ in together.unlike]
         unread += [Unread("uncertain", *row[0]) for row in kept if row not in sure]
         sure.sort(key=lambda row: float(row[1].left_px[0]))
         matches = [self._match(rig, left, where, normal) for (left, _), where in sure]
@@ -140,7 +144,7 @@ class Feature(Method):
         point_m = reference_point_m(where.fit, extent, self.reference_point)
         left_px = where.left_px + moved_px(where.fit, point_m, rig.left)
         right_px = where.right_px + moved_px(where.fit, point_m, rig.right)
-        return Match(left_px, right_px, sigma, (length, width), direction, extent)
+        return Match(left_px, right_px, sigma, (length, width), direction, extent, where.covariance)
 
     def similarity(self, rig: StereoRig) -> Similarity:
         """By how much an object may differ between the views of this rig."""

@@ -11,7 +11,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from stereo_pick.core.correspondence.one_face import shows_one_face
-from stereo_pick.core.correspondence.position import BlobPair, Located, by_outlines, by_solid, by_stretched
+from stereo_pick.core.correspondence.position import (
+    BlobPair,
+    Located,
+    by_outlines,
+    by_solid,
+    by_stretched,
+    by_supported,
+)
 from stereo_pick.core.objects.blob import CUT, SHARP
 from stereo_pick.core.objects.splitting import may_be_two
 from stereo_pick.core.rig import StereoRig
@@ -60,7 +67,7 @@ def _locate(
         return by_outlines(images.rig, blobs, fit) if complete else by_solid(images.rig, fit, 1 - unseen)
     best = images.best(readings)
     if best is not None and images.shows_beyond(best.fit.solid, [(b.contour_px, b.sharpness > CUT) for b in blobs]):
-        return by_solid(images.rig, best.fit, best.support)
+        return by_supported(images.rig, best)
     if _is_notched(blobs, max_concavity) or any(
         blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs
     ):

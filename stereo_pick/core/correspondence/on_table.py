@@ -9,7 +9,7 @@ from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.frontier import reaches_down
 from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
 from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_each_place
-from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_solid
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
@@ -78,7 +78,7 @@ class SecondLook:
             (refused if again.reason else found).append((blobs, again))
         for blobs, on_it in zip(self.pairs, standing_there[len(unsure) :]):
             if on_it is not None:
-                found.append((blobs, by_solid(self.images.rig, on_it.fit, on_it.support)))
+                found.append((blobs, by_supported(self.images.rig, on_it)))
         found, twice = one_in_each_place(found)
         found, behind = none_behind_another(found, self.images.rig)
         return found, refused + twice + behind
@@ -95,11 +95,11 @@ class SecondLook:
         fit = where.fit
         if fit is None:
             if on_it is not None:
-                return by_solid(self.images.rig, on_it.fit, on_it.support)
+                return by_supported(self.images.rig, on_it)
             return where if reaches_down(*blobs, self.images.rig, table) else replace(where, reason="half_lit")
         hangs = _hangs_clear(table, fit)
         if on_it is not None and in_the_air is not None and _stands_too(on_it, in_the_air, hangs):
-            return by_solid(self.images.rig, on_it.fit, on_it.support)
+            return by_supported(self.images.rig, on_it)
         if stands_on(table, fit) or (hangs and not is_flat(fit, TOP)):
             return where
         return replace(where, fit=None, reason="off_table")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,13 +11,14 @@ from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, centroid_px
+from stereo_pick.core.shapes.evidence import ARC_PX, USUAL_PX
 from stereo_pick.core.shapes.hypotheses import BODY, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.rims import to_rims
 
-_ARC_PX, _ARC_SIGMA_PX = 25.0, 0.21  # light and shading move an outline by whole arcs, not point by point ...
-_USUAL_PX = 0.085  # ... by more where it lies farther than this from the solid that explains it
 _BY_SOLID_SIGMA_PX = 0.13  # of a solid's edges as a whole
+_ARC_SIGMA_PX = 0.21  # by which light and shading move an arc of an outline
+_POINT_SIGMA_PX = 0.01  # of the image of a solid's centre, beside where the solid is
 _MISSING = np.pi / 6  # see `_missing_sigma_px`
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _DISAGREE = 2.5  # sigmas
@@ -28,13 +29,16 @@ BlobPair = tuple[Blob, Blob]
 @dataclass(frozen=True, eq=False)
 class Located:
     """Image points (2,) [px] of an object's centre, their sigma [px], and the solid, if one explains it; or the
-    reason why they are not known."""
+    reason why they are not known. In the rectified left frame [m²], (3, 3): covariance, of what moves both points
+    together, beside their sigma; doubt, the part of all this that is about which solid it is."""
 
     left_px: Floats
     right_px: Floats
     sigma_px: float
     fit: SolidFit | None
     reason: str = ""
+    covariance: Floats = field(default_factory=lambda: np.zeros((3, 3)))
+    doubt: Floats = field(default_factory=lambda: np.zeros((3, 3)))
 
 
 Row = tuple[BlobPair, Located]
@@ -50,8 +54,8 @@ def by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Locate
     cameras = rig.left, rig.right
     left_px, right_px = (centroid_px(blob.contour_px, camera) for blob, camera in zip(blobs, cameras))
     length_px = min(len(blob.contour_px) for blob in blobs)  # a point each pixel
-    rougher = max(1.0, fit.residual_px / _USUAL_PX) if fit is not None else 1.0
-    variance = (_ARC_SIGMA_PX * rougher) ** 2 * _ARC_PX / length_px
+    rougher = max(1.0, fit.residual_px / USUAL_PX) if fit is not None else 1.0
+    variance = (_ARC_SIGMA_PX * rougher) ** 2 * ARC_PX / length_px
     if fit is not None:
         left_px, right_px = left_px + fit.perspective_shift_px(rig.left), right_px + fit.perspective_shift_px(rig.right)
         own = [fit.centre_px(camera) for camera in cameras]
@@ -67,11 +71,17 @@ def by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Locate
 def by_stretched(rig: StereoRig, fit: SolidFit, longer: Supported) -> Located:
     """The longer solid's centre; where the shorter one is a body, too, and its shadow may be what was found beyond it,
     no surer than the two agree."""
-    found = by_solid(rig, longer.fit, longer.support)
-    if fit.flatness < BODY:
-        return found
-    off_px = float(np.linalg.norm(longer.fit.centre_px(rig.left) - fit.centre_px(rig.left)))
-    return replace(found, sigma_px=float(np.hypot(found.sigma_px, off_px / 2)))
+    if fit.flatness >= BODY:
+        off_m = longer.fit.centre_m - fit.centre_m
+        longer = replace(longer, doubt=longer.doubt + float(off_m @ off_m) / 4 * np.eye(3))
+    return by_supported(rig, longer)
+
+
+def by_supported(rig: StereoRig, found: Supported) -> Located:
+    """The images of the centre of a solid on edges, as sure as it is that it is this solid."""
+    where = by_solid(rig, found.fit, found.support)
+    doubt_px = np.sqrt(_spread(_covariance_per_px2(rig, found.fit.centre_m), found.doubt))
+    return replace(where, sigma_px=float(np.hypot(where.sigma_px, doubt_px)), doubt=found.doubt)
 
 
 def by_solid(rig: StereoRig, fit: SolidFit, shown: float) -> Located:
@@ -81,9 +91,19 @@ def by_solid(rig: StereoRig, fit: SolidFit, shown: float) -> Located:
     """
     left_px, right_px = fit.centre_px(rig.left), fit.centre_px(rig.right)
     per_px2 = _covariance_per_px2(rig, fit.centre_m)
-    spread = float(np.linalg.eigvals(np.linalg.solve(per_px2, fit.covariance)).real.max())
+    spread = _spread(per_px2, fit.covariance)
     missing_px = _missing_sigma_px(fit, shown, rig.focal_px)
     return Located(left_px, right_px, float(np.sqrt(_BY_SOLID_SIGMA_PX**2 + missing_px**2 + spread)), fit)
+
+
+def by_adjusted(rig: StereoRig, where: Located, fit: SolidFit, doubt: Floats) -> Located:
+    """The images of a solid's centre, known as well as its covariance says; doubt: (3, 3) [m²], of what solid it is.
+
+    where: by its outlines. They stay as far apart in their rows as these are: that tells of a camera that has moved.
+    """
+    apart_px = np.array([0.0, float(where.left_px[1] - where.right_px[1]) / 2])
+    left_px, right_px = fit.centre_px(rig.left) + apart_px, fit.centre_px(rig.right) - apart_px
+    return Located(left_px, right_px, _POINT_SIGMA_PX, fit, covariance=fit.covariance + doubt)
 
 
 def with_dark_ends(rig: StereoRig, blobs: BlobPair, where: Located) -> Located:
@@ -104,6 +124,11 @@ def _missing_sigma_px(fit: SolidFit, shown: float, focal_px: float) -> float:
     """
     radius_px = float(fit.size_m.mean()) / 2 * focal_px / float(fit.centre_m[2])
     return float(_MISSING * (1 - shown) ** 2 * radius_px)
+
+
+def _spread(per_px2: Floats, covariance: Floats) -> float:
+    """The least variance [px²] of image points that covers a covariance (3, 3) [m²]."""
+    return max(0.0, float(np.linalg.eigvals(np.linalg.solve(per_px2, covariance)).real.max()))
 
 
 def _covariance_per_px2(rig: StereoRig, centre_m: Floats) -> Floats:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats
-from stereo_pick.core.shapes.refinement import TUKEY, Fitted, bounded
+from stereo_pick.core.shapes.refinement import TUKEY, Fitted, bounded, tukey
 from stereo_pick.core.shapes.table import Table
 
 ARCS = 9  # independent pieces of an outline: light and shading move an edge along whole arcs, not point by point
+ARC_PX = 25.0  # the length of such a piece
+USUAL_PX = 0.085  # from the solid that explains them; where points lie farther off, such pieces do, too
 _ASSUMED = 10.0  # independent pieces that the assumed noise counts for, beside the residuals seen
 _LOOSEST = 0.05  # standard deviation of a centre, as a part of the solid's size
 _ASTRAY = 0.15  # of the outline in a view, that may be something else than the object's edge
@@ -58,7 +60,7 @@ def centre_covariance(found: Fitted, noise_px: float, table: Table | None = None
     """
     arcs = _arcs(found)
     scale = np.maximum(found.scale_px(), noise_px)[:, None]
-    weight = found.weight * np.clip(1 - (found.residual_px / (TUKEY * scale)) ** 2, 0, None) ** 2
+    weight = found.weight * tukey(found.residual_px, scale)
     total = weight.sum(axis=1)
     parameters = found.jacobian.shape[2]
     squares = arcs * (weight * found.residual_px**2).sum(axis=1) / total

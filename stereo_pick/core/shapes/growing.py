@@ -14,7 +14,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.kinds import HEX_PRISM, SPHERE
-from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
+from stereo_pick.core.shapes.predicted import along_polygon, inside, silhouettes
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -86,7 +86,7 @@ def _shown(solids: Solids, old: Floats, eye_m: Floats, view: EdgeMap, look: _Loo
     """
     focal = view.camera.P[0, 0]
     points, normals = along_polygon(silhouettes(solids, eye_m)[:, 0], look.points)
-    distance_px = _outside(points, old) * focal
+    distance_px = -inside(points, old[None]) * focal
     fresh = distance_px > _NEW_PX
     far = fresh & (distance_px > _FAR * distance_px.max(axis=1, keepdims=True))
     pixels = points * focal + view.camera.P[:2, 2]
@@ -139,12 +139,3 @@ def _stretched(solid: Solids, ways: Sequence[tuple[int, float]], lengths_m: Floa
 
 def _is_face(solid: Solids) -> bool:
     return float(solid.half_m.min()) < _LEAST * float(solid.half_m.max())
-
-
-def _outside(points: Floats, corners: Floats) -> Floats:
-    """How far (S, N) points (S, N, 2) lie outside a convex polygon (K, 2) that turns from x towards y."""
-    ahead = np.concatenate([corners[1:], corners[:1]]) - corners
-    length = np.linalg.norm(ahead, axis=1)
-    real = length > 1e-9
-    outward = np.stack([ahead[real, 1], -ahead[real, 0]], axis=1) / length[real, None]
-    return np.asarray((points @ outward.T - (outward * corners[real]).sum(axis=1)).max(axis=2))

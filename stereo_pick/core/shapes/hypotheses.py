@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.beyond import Contour, shown_beyond
@@ -36,12 +37,14 @@ _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth 
 @dataclass(frozen=True, eq=False)
 class Supported:
     """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges; off_px:
-    how far these lie off, as a median, by more than noise moves such weak edges."""
+    how far these lie off, as a median, by more than noise moves such weak edges; doubt: covariance (3, 3) [m²] of its
+    centre as it may be another solid, which no better fit of this one makes less."""
 
     fit: SolidFit
     support: float
     off_px: float
     believable: bool
+    doubt: Floats = field(default_factory=lambda: np.zeros((3, 3)))
 
     @property
     def score(self) -> float:
@@ -65,7 +68,7 @@ class Images:
     def __init__(self, pair: RectifiedPair, blurs_px: Sequence[float] = (USUAL_BLUR_PX, USUAL_BLUR_PX)) -> None:
         self.rig: StereoRig = pair.rig
         self._views = tuple(zip((pair.left, pair.right), (pair.rig.left, pair.rig.right), blurs_px))
-        self.eyes_m = np.array([[0.0, 0.0, 0.0], [pair.rig.baseline_m, 0.0, 0.0]])
+        self.eyes_m = pair.rig.eyes_m
         self.nearest: Nearest = {}
         self._longer: dict[tuple[Solids, Table | None], Supported | None] = {}
         self._locked: dict[tuple[Solids, Table | None], Supported] = {}

@@ -134,11 +134,13 @@ class Cylinder(Round):
 class Prism(Convex):
     """A polygon that reaches along the third axis: all its faces are flat.
 
-    corners: (C, 3), those of the prism whose half sizes are 1; edges: (2, E), the corners that each joins.
+    corners: (C, 3), those of the prism whose half sizes are 1; edges: (2, E), the corners that each joins; beside:
+    (2, E, 3), the outward normals of the two faces that meet there.
     """
 
     corners: Floats
     edges: Ints
+    beside: Floats
 
     def __init__(self, polygon: Floats) -> None:
         count = len(polygon)
@@ -146,6 +148,10 @@ class Prism(Convex):
         this = np.arange(count)
         after = np.roll(this, -1)
         self.edges = np.array([[*this, *(this + count), *this], [*after, *(after + count), *(this + count)]])
+        side = np.c_[polygon + polygon[after], np.zeros(count)]
+        side /= np.linalg.norm(side, axis=1, keepdims=True)
+        low, high = (np.tile([0.0, 0.0, end], (count, 1)) for end in (-1.0, 1.0))
+        self.beside = np.array([[*low, *high, *side[this - 1]], [*side, *side, *side]])
 
     @property
     def spans(self) -> Floats:

@@ -28,7 +28,7 @@ _MIDDLE_PX = 0.5  # so that edges are looked for farther outside than inside, wh
 _NOISE_PX = 1.45 * float(np.sqrt(2 * np.sqrt(np.pi))) * NOISE_OF_PIXELS
 _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
-_ON_EDGE_PX = 0.6
+ON_EDGE_PX = 0.6
 _LEAST_HELD = 8  # points on edges, in each view, without which a solid stays where it is
 
 
@@ -44,28 +44,39 @@ class Locked:
 
 def lock(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, table: Table | None = None) -> Locked:
     """Refine solids, each by itself, on the edges of the two rectified views near its silhouette, of either sign."""
-    eyes_m = np.array([[0.0, 0.0, 0.0], [rig.baseline_m, 0.0, 0.0]])
     for round_ in range(_ROUNDS + 1):
-        corners = silhouettes(solids, eyes_m)
-        points, normals = (
-            each.reshape(*corners.shape[:2], POINTS, 2)
-            for each in along_polygon(corners.reshape(-1, *corners.shape[2:]), POINTS)
-        )
-        outlines, offsets, sigmas = [], [], []
-        for i, view in enumerate(views):
-            pixels, across = points[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
-            offset, weight, sigma = _edges_near(view, pixels, across, _SHIFTS_PX if round_ == 0 else (0.0,))
-            edges = pixels - offset[..., None] * across
-            outlines.append([Outline(*side, np.zeros(POINTS)) for side in zip(edges, across, weight)])
-            sigmas.append(sigma)
-            offsets.append(np.where(weight > 0, np.abs(offset), np.inf))
-        sight = Sight.of(list(zip(*outlines)), rig, table)
+        corners = silhouettes(solids, rig.eyes_m)
+        outlines, offsets, sigmas = edges_beside(corners, views, POINTS, _SHIFTS_PX if round_ == 0 else (0.0,))
+        sight = Sight.of(outlines, rig, table)
         now = fitted(sight, solids)
         held = np.flatnonzero(sight.weight.sum(axis=2).min(axis=1) >= _LEAST_HELD)
         if round_ == _ROUNDS or not len(held):
             break
         solids = solids.replaced(held, refine(sight.only(held), now.only(held), rounds=3).solids)
-    return Locked(now, (np.stack(offsets, axis=1) < _ON_EDGE_PX).mean(axis=2), np.concatenate(sigmas, axis=1))
+    return Locked(now, (offsets < ON_EDGE_PX).mean(axis=2), sigmas.reshape(len(sigmas), -1))
+
+
+def edges_beside(
+    corners: Floats, views: Sequence[EdgeMap], points: int, shifts_px: Sequence[float] = (0.0,)
+) -> tuple[list[tuple[Outline, Outline]], Floats, Floats]:
+    """The edges next to so many points of silhouettes (S, 2, K, 2), as outlines; how far (S, 2, N) [px] they lie off,
+    infinite where there is none; and their sigmas (S, 2, N) [px].
+
+    shifts_px: where along each normal they are looked for.
+    """
+    places, normals = (
+        each.reshape(*corners.shape[:2], points, 2)
+        for each in along_polygon(corners.reshape(-1, *corners.shape[2:]), points)
+    )
+    outlines, offsets, sigmas = [], [], []
+    for i, view in enumerate(views):
+        pixels, across = places[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
+        offset, weight, sigma = _edges_near(view, pixels, across, shifts_px)
+        edges = pixels - offset[..., None] * across
+        outlines.append([Outline(*side, np.zeros(points)) for side in zip(edges, across, weight)])
+        sigmas.append(sigma)
+        offsets.append(np.where(weight > 0, np.abs(offset), np.inf))
+    return list(zip(*outlines)), np.stack(offsets, axis=1), np.stack(sigmas, axis=1)
 
 
 def _edges_near(
@@ -84,7 +95,7 @@ def _edges_near(
         profiles = sampled(view.image, points_px[:, None] - inwards[:, None] * normals[:, None])
         edges = find_edges(profiles, blur_px, solid)
         offset = edges.place_px - _MIDDLE_PX + shift
-        best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, _trust(edges, noise), edges.step], best)
+        best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, trust(edges, noise), edges.step], best)
     darker = np.flatnonzero((best[2] < 0) & (best[1] > 0))
     edges_px = points_px[darker] - best[0, darker, None] * normals[darker]
     best[0, darker] += shadow_px(view.image, edges_px, -normals[darker], -best[2, darker], noise)
@@ -92,7 +103,8 @@ def _edges_near(
     return best[0].reshape(shape), best[1].reshape(shape), sigma_px.reshape(shape)
 
 
-def _trust(edges: Edges, noise: float) -> Floats:
+def trust(edges: Edges, noise: float) -> Floats:
+    """How far (N,) each is an edge: 0 where it is no clear one."""
     sharp = np.abs(edges.sharpness)
     clear = (np.abs(edges.step) > _MIN_STEP * noise) & (sharp > _MIN_SHARPNESS)
     return np.asarray(np.where(clear, np.minimum(1.5 * sharp, 1.0), 0.0))

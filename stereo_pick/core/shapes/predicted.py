@@ -36,6 +36,15 @@ def _touched(solids: Solids, planes: Floats) -> Floats:
     return np.asarray(touched.reshape(planes.shape))
 
 
+def inside(points: Floats, corners: Floats) -> Floats:
+    """How far (S, N) points (S, N, 2) lie inside convex polygons (S, K, 2), or one (1, K, 2), turning from x to y."""
+    ahead = np.concatenate([corners[:, 1:], corners[:, :1]], axis=1) - corners
+    length = np.sqrt(dot(ahead, ahead))
+    inward = np.stack([-ahead[..., 1], ahead[..., 0]], axis=2) / np.maximum(length, 1e-12)[..., None]
+    off = points @ inward.transpose(0, 2, 1) - dot(inward, corners)[:, None]
+    return np.asarray(np.where(length[:, None] > 1e-9, off, np.inf).min(axis=2))
+
+
 def along_polygon(corners: Floats, count: int) -> tuple[Floats, Floats]:
     """Points (S, count, 2), evenly spaced along closed polygons (S, K, 2), and the outward normals there.
 

@@ -18,7 +18,7 @@ from stereo_pick.core.shapes.table import Table
 Touch = Callable[[Sight, Solids], Tangents]
 
 TUKEY = 4.685  # in sigmas: 95 % efficient on normal noise
-_LEAST_SCALE_PX = 0.05
+LEAST_SCALE_PX = 0.05
 _LEAST_HALF = 0.02  # of the object's radius
 _FIRM = 1e5  # points of an outline that weigh as much as the table
 _CONVERGED_PX = 0.01  # the step is taken, and the next one would be far smaller
@@ -43,9 +43,7 @@ class Fitted:
 
     def scale_px(self) -> Floats:
         """Robust standard deviation (S,) [px] of the trusted residuals."""
-        ordered = np.sort(np.where(self.weight > 0, np.abs(self.residual_px), np.inf), axis=1)
-        middle = np.count_nonzero(self.weight, axis=1) // 2
-        return np.asarray(1.4826 * ordered[np.arange(len(middle)), middle])
+        return robust_scale(self.residual_px, self.weight)
 
 
 def fitted(sight: Sight, solids: Solids, touch: Touch = nearest_tangents) -> Fitted:
@@ -59,10 +57,10 @@ def refine(sight: Sight, now: Fitted, rounds: int, touch: Touch = nearest_tangen
     """Improve every solid by up to so many steps; sight holds one object for each."""
     damping = np.full(len(now.residual_px), 1e-3)
     for _ in range(rounds):
-        scale = np.maximum(now.scale_px(), _LEAST_SCALE_PX)[:, None]
+        scale = np.maximum(now.scale_px(), LEAST_SCALE_PX)[:, None]
         step = _step(sight, now, scale, damping)
-        moved = _moved(now.solids, step, _LEAST_HALF * sight.radius_m)
-        tried = fitted(sight, sight.table.put_down(moved) if sight.table else moved, touch)
+        there = moved(now.solids, step, _LEAST_HALF * sight.radius_m)
+        tried = fitted(sight, sight.table.put_down(there) if sight.table else there, touch)
         better = _cost(tried, scale) <= _cost(now, scale)
         settled = np.abs((now.jacobian @ step[..., None])[..., 0]).max(axis=1) < _CONVERGED_PX
         now = _where(better, tried, now)
@@ -81,6 +79,18 @@ def firmly_on(table: Table, solids: Solids, focal_px: float) -> tuple[Floats, Fl
     return column * (weight * gradient)[:, None], column * (weight * height_m[:, None])[..., None]
 
 
+def robust_scale(residual: Floats, weight: Floats) -> Floats:
+    """Standard deviation (S,) of most of those residuals (S, N) that have weight; inf where none has."""
+    ordered = np.sort(np.where(weight > 0, np.abs(residual), np.inf), axis=1)
+    middle = np.minimum(np.count_nonzero(weight, axis=1) // 2, ordered.shape[1] - 1)
+    return np.asarray(1.4826 * ordered[np.arange(len(middle)), middle])
+
+
+def tukey(residual: Floats, scale: Floats) -> Floats:
+    """Tukey's weight: 1 for a residual of 0, 0 for one that is far off on this scale."""
+    return np.asarray(np.maximum(1 - (residual / (TUKEY * scale)) ** 2, 0) ** 2)
+
+
 def bounded(residual_px: Floats, scale_px: Floats | float) -> Floats:
     """Tukey's loss [px²]: the square of a small residual, and no more than 7.3 scale² for any."""
     inside = np.maximum(1 - (residual_px / (TUKEY * scale_px)) ** 2, 0)
@@ -93,7 +103,7 @@ def _cost(now: Fitted, scale_px: Floats) -> Floats:
 
 def _step(sight: Sight, now: Fitted, scale_px: Floats, damping: Floats) -> Floats:
     """The damped step (S, 3 + Q + sizes) of iteratively reweighted least squares."""
-    weight = now.weight * np.maximum(1 - (now.residual_px / (TUKEY * scale_px)) ** 2, 0) ** 2
+    weight = now.weight * tukey(now.residual_px, scale_px)
     weighted = (now.jacobian * weight[..., None]).transpose(0, 2, 1)
     normal = weighted @ now.jacobian
     diagonal = np.einsum("sii->si", normal)  # a view
@@ -103,7 +113,8 @@ def _step(sight: Sight, now: Fitted, scale_px: Floats, damping: Floats) -> Float
     return -np.asarray(np.linalg.solve(normal, weighted @ now.residual_px[..., None])[..., 0])
 
 
-def _moved(solids: Solids, step: Floats, least_half_m: Floats) -> Solids:
+def moved(solids: Solids, step: Floats, least_half_m: Floats) -> Solids:
+    """Solids (S) after steps (S, 3 + Q + sizes) of centre [m], turns [rad] and half sizes [m]; least_half_m: (S,)."""
     turning = solids.turns.shape[2]
     turn = (solids.turns @ step[:, 3 : 3 + turning, None])[..., 0]
     half_m = np.maximum(solids.half_m + step[:, 3 + turning :], least_half_m[:, None])

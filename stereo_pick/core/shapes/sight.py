@@ -50,9 +50,8 @@ class Sight:
         depth = rig.baseline_m / np.maximum(middle[:, 0, 0] - middle[:, 1, 0], 1e-6)
         x, y = middle[:, 0, 0] * depth, middle[..., 1].mean(axis=1) * depth
         radius = half.mean(axis=(1, 2)) * depth
-        eyes = np.array([[0.0, 0.0, 0.0], [rig.baseline_m, 0.0, 0.0]])
         centre = np.stack([x, y, depth], axis=1)
-        return Sight(points, normals, weight, 1 - weight, smooth, eyes, rig.focal_px, centre, radius, table)
+        return Sight(points, normals, weight, 1 - weight, smooth, rig.eyes_m, rig.focal_px, centre, radius, table)
 
     def only(self, objects: Ints) -> Sight:
         """The same of these objects alone."""

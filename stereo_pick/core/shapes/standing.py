@@ -87,7 +87,7 @@ def _no_surer_than_rivals(best: Supported, others: Sequence[Supported]) -> Suppo
     off_m = max((each.fit.centre_m - best.fit.centre_m for each in rivals), key=lambda off: float(off @ off))
     if np.linalg.norm(off_m) > _OPEN * best.fit.size_m.mean():
         return None
-    return replace(best, fit=replace(best.fit, covariance=best.fit.covariance + np.outer(off_m, off_m)))
+    return replace(best, doubt=float(off_m @ off_m) * np.eye(3))  # it may be neither of them
 
 
 def _candidates(images: Images, pairs: Sequence[Pair], table: Table) -> dict[Pair, list[Solids]]:

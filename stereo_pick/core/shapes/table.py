@@ -52,19 +52,23 @@ class Table:
         return np.asarray(points_m @ self.normal + self.offset_m)
 
     def under(self, solids: Solids) -> tuple[Floats, Floats]:
-        """How high (S,) [m] the lowest point of each solid is, and its derivatives (S, 3 + Q + sizes) by centre [m],
-        turns [rad] and half sizes [m]."""
-        own = (-self.normal @ solids.rotation)[:, None]
-        touched = solids.kind.touch(own, solids.half_m)
+        """How high (S,) [m] the lowest point of each solid is, and its derivatives: see `above`."""
+        down = (-self.normal @ solids.rotation)[:, None]
+        return self.above(solids, solids.kind.touch(down, solids.half_m)[:, 0])
+
+    def above(self, solids: Solids, own_m: Floats) -> tuple[Floats, Floats]:
+        """How high (S,) [m] points (S, 3) [m] in the solids' own axes are, and the derivatives (S, 3 + Q + sizes) of
+        that by centre [m], turns [rad] and half sizes [m]."""
+        up = self.normal @ solids.rotation
         gradient = np.concatenate(
             [
                 np.broadcast_to(self.normal, solids.centre_m.shape),
-                -(cross(touched, own) @ solids.turns)[:, 0],
-                -(touched * own @ (solids.kind.shares / solids.half_m[:, None]))[:, 0],
+                (cross(own_m, up)[:, None] @ solids.turns)[:, 0],
+                ((own_m * up)[:, None] @ (solids.kind.shares / solids.half_m[:, None]))[:, 0],
             ],
             axis=1,
         )
-        return self.height_m(solids.centre_m) - dot(touched, own)[:, 0], gradient
+        return self.height_m(solids.centre_m) + dot(own_m, up), gradient
 
     def put_down(self, solids: Solids) -> Solids:
         """The solids moved along the normal until they touch the table."""

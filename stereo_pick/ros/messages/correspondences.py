@@ -2,7 +2,8 @@
 
 Columns: left_u, left_v, right_u, right_v [rectified px, NaN where unseen]; sigma_left, sigma_right, length, width
 [px]; direction [rad]; length_m, width_m, height_m, qx, qy, qz, qw: the solid that explains the object (NaN where none
-does), in the rectified left frame; reason: 0 for a match, else the position in `stereo_pick.core.refusal.REASONS`, from
+does), in the rectified left frame; xx, xy, xz, yy, yz, zz: what adds to the covariance of the position [m²], in that
+frame; reason: 0 for a match, else the position in `stereo_pick.core.refusal.REASONS`, from
 1; kind: the position in `stereo_pick.core.correspondence.extent.KINDS`, 0 where none explains it.
 """
 
@@ -22,9 +23,12 @@ from stereo_pick.core.refusal import REASONS, Refusal
 from stereo_pick.ros.messages.tables import TableError, table_message, table_of
 
 _NUMBERS = ("left_u", "left_v", "right_u", "right_v", "sigma_left", "sigma_right", "length", "width", "direction")
+_COVARIANCE = ("xx", "xy", "xz", "yy", "yz", "zz")
+_UPPER = np.triu_indices(3)
 _SOLID = ("length_m", "width_m", "height_m", "qx", "qy", "qz", "qw")
 _ROW = np.dtype(
-    [*((name, np.float64) for name in (*_NUMBERS, *_SOLID)), ("reason", np.uint8), ("kind", np.uint8)], align=True
+    [*((name, np.float64) for name in (*_NUMBERS, *_SOLID, *_COVARIANCE)), ("reason", np.uint8), ("kind", np.uint8)],
+    align=True,
 )
 _REASONS = tuple(REASONS)
 
@@ -33,7 +37,7 @@ def correspondences_message(correspondences: Correspondences, stamp_ns: int, fra
     """The message of N matches and their refusals, with a stamp [ns]."""
     count = len(correspondences)
     rows = np.zeros(count + len(correspondences.refused), _ROW)
-    for name in (*_NUMBERS, *_SOLID):
+    for name in (*_NUMBERS, *_SOLID, *_COVARIANCE):
         rows[name] = np.nan
     rows["reason"] = [0] * count + [_REASONS.index(refusal.reason) + 1 for refusal in correspondences.refused]
     matched = rows[:count]
@@ -42,6 +46,7 @@ def correspondences_message(correspondences: Correspondences, stamp_ns: int, fra
         (("right_u", "right_v"), correspondences.right_px),
         (("sigma_left", "sigma_right"), correspondences.sigma_px),
         (("length", "width"), correspondences.size_px),
+        (_COVARIANCE, correspondences.covariance[(slice(None), *_UPPER)]),
     ):
         for name, column in zip(names, values.T):
             matched[name] = column
@@ -72,6 +77,7 @@ def correspondences_of(message: PointCloud2) -> Correspondences:
         size_px=_columns(matched, "length", "width"),
         direction_rad=matched["direction"],
         extents=tuple(_extent(row) for row in matched),
+        covariance=_symmetric(_columns(matched, *_COVARIANCE)),
         refused=tuple(
             Refusal(_REASONS[row["reason"] - 1], _point(row, "left"), _point(row, "right")) for row in refused
         ),
@@ -80,6 +86,14 @@ def correspondences_of(message: PointCloud2) -> Correspondences:
 
 def _columns(rows: NDArray[Any], *names: str) -> Floats:
     return np.stack([rows[name] for name in names], axis=1)
+
+
+def _symmetric(upper: Floats) -> Floats:
+    """Matrices (N, 3, 3) of which the upper triangles (N, 6) are these."""
+    full = np.zeros((len(upper), 3, 3))
+    full[(slice(None), *_UPPER)] = upper
+    full[(slice(None), *_UPPER[::-1])] = upper
+    return full
 
 
 def _extent(row: Any) -> Extent | None:

@@ -16,10 +16,15 @@ RADIUS_PX = 20.0
 
 @pytest.mark.parametrize("disparity_px", [30.0, 60.0, 150.0])
 @pytest.mark.parametrize("sigma_px", [0.05, 1.0])
-def test_it_is_the_sigma_of_the_stated_depth_by_the_width_of_the_outline(disparity_px: float, sigma_px: float) -> None:
+@pytest.mark.parametrize("together_m", [0.0, 0.002])
+def test_it_is_the_sigma_of_the_stated_depth_by_the_width_of_the_outline(
+    disparity_px: float, sigma_px: float, together_m: float
+) -> None:
     blobs = disc(320, 240, RADIUS_PX), disc(320 - disparity_px, 240, RADIUS_PX)
-    where = Located(blobs[0].centroid_px, blobs[1].centroid_px, sigma_px, None)
-    match = Match(where.left_px, where.right_px, (sigma_px, sigma_px), (2 * RADIUS_PX, 2 * RADIUS_PX), 0.0)
+    moved = together_m**2 * np.eye(3)
+    where = Located(blobs[0].centroid_px, blobs[1].centroid_px, sigma_px, None, covariance=moved)
+    size_px = 2 * RADIUS_PX, 2 * RADIUS_PX
+    match = Match(where.left_px, where.right_px, (sigma_px, sigma_px), size_px, 0.0, covariance=moved)
     points = Triangulator(max_ray_gap_m=1.0).triangulate(collect([match], []), PARALLEL)
     width_m = 2 * RADIUS_PX * points.xyz[0, 2] / PARALLEL.focal_px
     stated = float(np.sqrt(points.covariance[0, 2, 2])) / width_m

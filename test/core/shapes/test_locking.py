@@ -8,10 +8,9 @@ from functools import cache
 import cv2
 import numpy as np
 import pytest
-from rendered_solids import centre_m, rectified, solid_of
-from rendering import Box, Cylinder, Scene, Solid, Sphere
-from rendering.rigs import table_before
-from rigs import RIGS, rotation
+from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified, solid_of
+from rendering import Scene, Solid
+from rigs import rotation
 
 from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX, EdgeMap
 from stereo_pick.core.shapes.fitting import NOISE_PX
@@ -19,21 +18,13 @@ from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.locking import Locked, lock
 from stereo_pick.core.shapes.solids import Solids
 
-RIG = RIGS["thesis"]
-TABLE = table_before(RIG, 0.9, elevation_deg=50)
-PARTS: dict[str, Solid] = {
-    "standing": Cylinder(-0.07, 0.0, (0.04, 0.04, 0.05)),
-    "box": Box(0.05, 0.0, (0.05, 0.036, 0.045), yaw_rad=0.4),
-    "sphere": Sphere(0.0, 0.07, (0.04, 0.04, 0.04)),
-    "lying": Cylinder(0.0, -0.06, (0.03, 0.03, 0.06), yaw_rad=0.5, lying=True),
-}
-SCENE = Scene(tuple(PARTS.values()), TABLE, ambient=0.7)
+SCENE = Scene(tuple(PARTS.values()), PLACED, ambient=0.7)
 TRIALS = 12
 
 
 @cache
 def images(empty: bool = False) -> Images:
-    return Images(rectified(RIG, Scene((), TABLE) if empty else SCENE))
+    return Images(rectified(RIG, Scene((), PLACED) if empty else SCENE))
 
 
 def locked(solid: Solids, seen: Images) -> Locked:
@@ -62,7 +53,7 @@ def test_from_2_mm_and_2_degrees_off_the_truth_is_found(name: str) -> None:
 def test_where_there_is_no_object_there_is_no_support(name: str) -> None:
     solid = solid_of(RIG, SCENE, PARTS[name])
     assert locked(solid, images(empty=True)).shown.min() < 0.4
-    away = RIG.left.R @ TABLE.rotation @ np.array([0.03, 0.03, 0.0])
+    away = RIG.left.R @ PLACED.rotation @ np.array([0.03, 0.03, 0.0])
     beside = images().locked(replace(solid, centre_m=solid.centre_m + away))
     assert beside.support < 0.4 and not beside.believable and not beside.raises_doubt
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 import pytest
 from rigs import RIGS
-from solid_outlines import any_part, contours_px
+from solid_outlines import any_part, contours_px, distances_px
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes import SolidFit
@@ -21,12 +20,6 @@ DRAWN = ("sphere", "cylinder", "box")
 def signed_area(corners: Floats) -> float:
     x, y = corners.T
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
-
-
-def distances_px(points: Floats, contour: Floats) -> Floats:
-    """Of points (N, 2) from a closed contour, inside positive."""
-    line = contour.astype(np.float32)
-    return np.array([cv2.pointPolygonTest(line, (float(x), float(y)), True) for x, y in points])
 
 
 @pytest.mark.parametrize("kind", DRAWN)

@@ -1,0 +1,91 @@
+"""Objects and their table adjusted together, once it is known what each object is: as far as its creases bear that out.
+
+A lying cylinder and its shadow have the silhouette of a box. What they have not are a box's edges inside of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.correspondence.located import trusted_outlines
+from stereo_pick.core.correspondence.position import Row, by_adjusted, by_supported, with_dark_ends
+from stereo_pick.core.objects.blob import SHARP
+from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
+from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
+from stereo_pick.core.shapes.table import Table
+
+_CREASED, _WELL_CREASED = 1 / 3, 1 / 2  # of its creases without which an object is no prism, or is in doubt ...
+_WELL_SHOWN = 0.92  # of its silhouette, all but its corners, with which it is one: its faces may be dark, or lit, alike
+_DOUBT = 0.05  # ... by one sigma of this part of its size
+_ASTRAY_PX = 0.3  # from its edges, where a solid is not what they show: it says nothing about the table
+
+
+@dataclass(frozen=True, eq=False)
+class Together:
+    """kept: the objects, where they are; unlike: those that are not what their outlines seem to be; table: what they
+    stand on, as far as that is known."""
+
+    kept: list[Row]
+    unlike: list[Row]
+    table: Table | None
+
+
+def adjusted_together(images: Images, rows: Sequence[Row], table: Table | None, known: bool) -> Together:
+    """The objects where all edges together put them that solids explain, and the others as they are.
+
+    known: whether the table was given.
+    """
+    whole = [(blobs, with_dark_ends(images.rig, blobs, where)) for blobs, where in rows]
+    rest, solids = [row for row in whole if not row[1].fit], [row for row in whole if row[1].fit]
+    found, common = _adjusted(images, solids, table, known)
+    others = [_reconsidered(images, row, each, common) for row, each in zip(solids, found)]
+    unlike = [row for row, other in zip(solids, others) if other is None]
+    astray = [row for row, other, each in zip(solids, others, found) if other is row and _is_astray(each)]
+    sound = [other for other in others if other is not None and other not in astray]
+    if sound != solids:
+        found, common = _adjusted(images, sound, table, known)
+    placed = [row if _is_astray(each) else _placed(images, row, each) for row, each in zip(sound, found)]
+    return Together(rest + astray + placed, unlike, common)
+
+
+def _adjusted(
+    images: Images, rows: Sequence[Row], table: Table | None, known: bool
+) -> tuple[list[Adjusted], Table | None]:
+    fits = [where.fit for _, where in rows if where.fit is not None]
+    return adjusted(fits, images.maps, images.rig, table, known) if fits else ([], table)
+
+
+def _is_astray(found: Adjusted) -> bool:
+    return found.fit.residual_px > _ASTRAY_PX
+
+
+def _reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
+    """The same, or what the object is if it is no prism; None where that is open."""
+    if not isinstance(KINDS[found.fit.kind], Prism) or found.creased >= _CREASED:
+        return row
+    return _as_cylinder(images, row, table) or (row if found.shown > _WELL_SHOWN else None)
+
+
+def _placed(images: Images, row: Row, found: Adjusted) -> Row:
+    """Where the solid is; where many of its creases do not show, it may be longer or shorter than it seems."""
+    (blobs, where), fit = row, found.fit
+    doubt = where.doubt
+    if isinstance(KINDS[fit.kind], Prism) and found.creased < _WELL_CREASED:
+        doubt = doubt + (_DOUBT * float(fit.size_m.mean())) ** 2 * np.eye(3)
+    return blobs, by_adjusted(images.rig, where, fit, doubt)
+
+
+def _as_cylinder(images: Images, row: Row, table: Table | None) -> Row | None:
+    """The same object as the cylinder that the edges support, if they do."""
+    blobs, _ = row
+    outlines = trusted_outlines(blobs, SHARP, convex=True)
+    if not can_be_fitted(outlines):
+        return None
+    nearest, _ = nearest_of_kind([outlines], images.rig, CYLINDER, table)[outlines, CYLINDER]
+    found = images.locked(nearest, table)
+    return (blobs, by_supported(images.rig, found)) if found.believable else None

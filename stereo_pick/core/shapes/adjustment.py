@@ -1,0 +1,198 @@
+"""All solids of a scene, and the table they stand on, adjusted together to the edges of both views.
+
+Each solid by itself is known as well as its outline shows it. Together they say how the table lies, and that says what
+an outline alone does not: how deep an object is, and how it is turned. Solids and table are the unknowns of one least
+squares problem (a bundle adjustment, Triggs and others 1999); since solids meet through the table only, each is solved
+for by itself but for the table's three.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from stereo_pick.core.arrays import Bools, Floats, Ints
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.common_table import stands_on
+from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, edge_evidence
+from stereo_pick.core.shapes.edge_map import EdgeMap
+from stereo_pick.core.shapes.flush import touching
+from stereo_pick.core.shapes.kinds import KINDS
+from stereo_pick.core.shapes.refinement import moved
+from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.table import Table
+
+_ROUNDS = 4
+_FARTHEST = 0.005  # of its distance, by which a solid moves in a round
+_LEAST_HALF = 0.02  # of its size
+_HARDLY = 3e-5  # ... and less than which is nothing
+_DOUBTED = 10.0  # sigmas from which on it is doubted that a solid touches the table as it should
+_KNOWN_TILT_RAD = np.deg2rad(0.5)  # sigma of a table that was given
+_FOOT_M = 0.00008  # sigma of the middle of what stands in its own shadow: that hides where it ends
+_BESIDE_M = 0.1  # from the middle of the solids, where others may stand
+
+
+@dataclass(frozen=True, eq=False)
+class Adjusted:
+    """fit: the solid; shown, creased: the part of its silhouette that lies on edges, the least of both views, and of
+    its creases (1 where none is seen)."""
+
+    fit: SolidFit
+    shown: float
+    creased: float
+
+
+class _Group(NamedTuple):
+    """Solids (S) of one kind: rows (S,), which they are; on_table: (S,)."""
+
+    rows: Ints
+    solids: Solids
+    on_table: Bools
+
+
+class _System(NamedTuple):
+    """Normal equations of the solids of a group: own (S, P, P), with the table's unknowns (S, P, 3), of these (3, 3),
+    and the right-hand sides (S, P) and (3,)."""
+
+    own: Floats
+    shared: Floats
+    table: Floats
+    right: Floats
+    table_right: Floats
+
+
+class _Plane(NamedTuple):
+    """A table, two directions (2, 3) across its normal, and the point (3,) where its tilts leave it."""
+
+    table: Table
+    across: Floats
+    middle_m: Floats
+
+
+def adjusted(
+    fits: Sequence[SolidFit], views: Sequence[EdgeMap], rig: StereoRig, table: Table | None, known: bool = False
+) -> tuple[list[Adjusted], Table | None]:
+    """The solids (at least one), and the table, that all edges together support best.
+
+    known: whether the table was given, and is moved within its sigma only. Those that stand or lie on it stay there.
+    """
+    groups = _groups(fits, table)
+    plane = _plane(table, fits) if table else None
+    prior = _prior(plane.table) if plane and known else 1e-6 * np.eye(3)
+    moved_by = np.zeros(3)  # of a known table: tilts and height
+    for round_ in range(_ROUNDS + 1):
+        seen = [edge_evidence(group.solids, views, rig) for group in groups]
+        systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
+        step, covariance = _solved(systems, prior, moved_by)
+        if round_ == _ROUNDS:
+            break
+        steps = [_step(system, step) for system in systems]
+        groups = [group._replace(solids=_moved(group.solids, each)) for group, each in zip(groups, steps)]
+        if plane:
+            plane, moved_by = _tilted(plane, step), moved_by + step
+        if max(_farthest(*each) for each in zip(groups, steps)) < _HARDLY:
+            break
+    found = [_results(*each, covariance, plane) for each in zip(groups, seen, systems)]
+    by_row = {row: each for group, several in zip(groups, found) for row, each in zip(group.rows.tolist(), several)}
+    return [by_row[row] for row in range(len(fits))], _as_table(plane, covariance) if plane else None
+
+
+def _groups(fits: Sequence[SolidFit], table: Table | None) -> list[_Group]:
+    groups = []
+    for kind in KINDS.values():
+        rows = [row for row, fit in enumerate(fits) if fit.kind == kind.name]
+        if rows:
+            solids = Solids.joined([fits[row].solid for row in rows]).turning_freely()
+            on_table = [table is not None and stands_on(table, fits[row]) for row in rows]
+            groups.append(_Group(np.array(rows), solids, np.array(on_table)))
+    return groups
+
+
+def _plane(table: Table, fits: Sequence[SolidFit]) -> _Plane:
+    middle_m = np.mean([fit.centre_m for fit in fits], axis=0)
+    return _Plane(table, np.linalg.svd(table.normal[None])[2][1:], middle_m)
+
+
+def _prior(table: Table) -> Floats:
+    """What is known (3, 3) of the tilts and the height of a table that was given."""
+    return np.diag(np.array([_KNOWN_TILT_RAD, _KNOWN_TILT_RAD, table.sigma_m]) ** -2.0)
+
+
+def _system(group: _Group, seen: EdgeEvidence, plane: _Plane | None) -> _System:
+    own = seen.normal + np.eye(seen.normal.shape[1])  # nothing is off by more than 1 m or 1 rad
+    shared, table = np.zeros((*seen.right.shape, 3)), np.zeros((3, 3))
+    right, table_right = seen.right.copy(), np.zeros(3)
+    if plane is None or not group.on_table.any():
+        return _System(own, shared, table, right, table_right)
+    touch = touching(group.solids, *plane)
+    weight = group.on_table[:, None] / (1 + (touch.off / _DOUBTED) ** 2)  # Cauchy's
+    by_solid = touch.by_solid * weight[..., None]
+    by_table = touch.by_table * weight[..., None]
+    own += by_solid.transpose(0, 2, 1) @ touch.by_solid
+    shared += by_solid.transpose(0, 2, 1) @ touch.by_table
+    right += (by_solid * touch.off[..., None]).sum(axis=1)
+    table += np.einsum("ski,skj->ij", by_table, touch.by_table)
+    table_right += np.einsum("ski,sk->i", by_table, touch.off)
+    return _System(own, shared, table, right, table_right)
+
+
+def _solved(systems: Sequence[_System], prior: Floats, moved_by: Floats) -> tuple[Floats, Floats]:
+    """The table's step (3,) and covariance (3, 3), all solids' own unknowns eliminated (Schur)."""
+    normal, right = prior.copy(), prior @ moved_by
+    for each in systems:
+        eliminated = np.linalg.solve(each.own, each.shared)
+        normal += each.table - np.einsum("spi,spj->ij", each.shared, eliminated)
+        right += each.table_right - np.einsum("spi,sp->i", eliminated, each.right)
+    covariance = np.asarray(np.linalg.inv(normal), np.float64)
+    return -covariance @ right, covariance
+
+
+def _step(system: _System, table_step: Floats) -> Floats:
+    """The step (S, P) of each solid, with the table's."""
+    right = system.right + system.shared @ table_step
+    return -np.asarray(np.linalg.solve(system.own, right[..., None])[..., 0])
+
+
+def _farthest(group: _Group, step: Floats) -> float:
+    return float((np.abs(step[:, :3]).max(axis=1) / group.solids.centre_m[:, 2]).max())
+
+
+def _moved(solids: Solids, step: Floats) -> Solids:
+    farthest = _FARTHEST * solids.centre_m[:, 2:]
+    part = np.minimum(1.0, farthest / np.maximum(np.abs(step[:, :3]).max(axis=1, keepdims=True), 1e-12))
+    return moved(solids, step * part, _LEAST_HALF * solids.half_m.max(axis=1))
+
+
+def _tilted(plane: _Plane, step: Floats) -> _Plane:
+    normal = plane.table.normal + step[:2] @ plane.across
+    offset_m = float((plane.table.normal - normal) @ plane.middle_m) + plane.table.offset_m + float(step[2])
+    length = float(np.linalg.norm(normal))
+    return plane._replace(table=Table(normal / length, offset_m / length, plane.table.sigma_m))
+
+
+def _as_table(plane: _Plane, covariance: Floats) -> Table:
+    sigma_m = float(np.sqrt(covariance[2, 2] + covariance[:2, :2].trace() / 2 * _BESIDE_M**2))
+    return Table(plane.table.normal, plane.table.offset_m, sigma_m)
+
+
+def _results(
+    group: _Group, seen: EdgeEvidence, system: _System, table_covariance: Floats, plane: _Plane | None
+) -> list[Adjusted]:
+    alone = np.linalg.inv(system.own)
+    through = (alone @ system.shared)[:, :3]
+    covariance = alone[:, :3, :3] + through @ table_covariance @ through.transpose(0, 2, 1)
+    if plane is not None:
+        covariance[group.on_table] += _FOOT_M**2 * np.outer(plane.table.normal, plane.table.normal)
+    solids, size_m = group.solids, group.solids.size_m()
+    return [
+        Adjusted(
+            SolidFit(solids.kind.name, solids.centre_m[i], solids.rotation[i], size_m[i], float(scale), covariance[i]),
+            float(seen.shown[i]),
+            float(seen.creased[i]),
+        )
+        for i, scale in enumerate(seen.scale_px)
+    ]

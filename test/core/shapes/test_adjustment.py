@@ -1,0 +1,118 @@
+"""Solids and their table adjusted together, to rendered scenes with exact truth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from rendered_solids import FROM_ABOVE, PARTS, PLACED, RIG, centre_m, rectified, solid_of
+from rendering import Cylinder, Lamp, Scene, Solid
+from rigs import rotation
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.table import Table
+
+ALL = tuple(PARTS.values())
+SCENE = Scene(ALL, PLACED, ambient=0.6)
+NORMAL = RIG.left.R @ PLACED.rotation[:, 2]
+TRUE = Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation), 1e-3)
+
+
+@cache
+def images() -> Images:
+    return Images(rectified(RIG, SCENE))
+
+
+def fits(random: np.random.Generator, off_m: float, off_deg: float, parts: Sequence[Solid] = ALL) -> list[SolidFit]:
+    """The parts as solids, moved and turned by so much in directions at random."""
+    found = []
+    for part in parts:
+        axis, shift = random.normal(size=(2, 3))
+        solid = solid_of(RIG, SCENE, part, turned=rotation(tuple(axis * np.deg2rad(off_deg) / np.linalg.norm(axis))))
+        place = solid.centre_m[0] + shift * off_m / np.linalg.norm(shift)
+        size_m = solid.size_m()[0]
+        found.append(SolidFit(solid.kind.name, place, solid.rotation[0], size_m, 0.1, 1e-8 * np.eye(3)))
+    return found
+
+
+def tilted(table: Table, off_deg: float, off_m: float) -> Table:
+    normal = rotation((np.deg2rad(off_deg), 0, 0)) @ table.normal
+    middle = RIG.left.R @ PLACED.translation
+    return Table(normal, -float(normal @ middle) - off_m, table.sigma_m)
+
+
+def off_m(found: Sequence[Adjusted], parts: Sequence[Solid] = ALL) -> Floats:
+    truth = [centre_m(RIG, SCENE, part) for part in parts]
+    return np.linalg.norm([each.fit.centre_m - place for each, place in zip(found, truth)], axis=1)
+
+
+def off_deg(table: Table | None) -> float:
+    assert table is not None
+    return float(np.rad2deg(np.arccos(min(1.0, float(table.normal @ NORMAL)))))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_from_1_mm_and_1_degree_off_parts_and_table_are_found(seed: int) -> None:
+    start = fits(np.random.default_rng(seed), 1e-3, 1.0)
+    found, table = adjusted(start, images().maps, RIG, tilted(TRUE, 0.5, 1e-3))
+    assert off_m(found).max() < 2.5e-4
+    assert off_deg(table) < 0.1
+    assert all(each.shown > 0.9 and each.creased > 0.5 and each.fit.residual_px < 0.15 for each in found)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_without_a_table_each_part_is_found_by_itself(seed: int) -> None:
+    start = fits(np.random.default_rng(seed), 1e-3, 1.0)
+    together, table = adjusted(start, images().maps, RIG, None)
+    assert table is None and off_m(together).max() < 5e-4
+    alone = [adjusted([fit], images().maps, RIG, None)[0][0] for fit in start]
+    for one, other in zip(together, alone):
+        np.testing.assert_allclose(one.fit.centre_m, other.fit.centre_m, atol=5e-5)  # fewer rounds alone
+
+
+def test_the_order_of_parts_makes_no_difference() -> None:
+    start = fits(np.random.default_rng(1), 0.5e-3, 0.5)
+    forward, _ = adjusted(start, images().maps, RIG, TRUE)
+    backward, _ = adjusted(start[::-1], images().maps, RIG, TRUE)
+    for one, other in zip(forward, backward[::-1]):
+        assert one.fit.kind == other.fit.kind
+        np.testing.assert_allclose(one.fit.centre_m, other.fit.centre_m, atol=1e-9)
+
+
+@pytest.mark.parametrize("off_mm", [0.3, -0.3, 1.0])
+def test_a_table_that_is_known_moves_within_its_sigma_only(off_mm: float) -> None:
+    """Given to 0.1 mm it stays nearly as it is given, and to 5 mm as the parts show it."""
+    start, given = fits(np.random.default_rng(2), 0.3e-3, 0.3), tilted(TRUE, 0.0, off_mm * 1e-3)
+    moved_m = []
+    for sigma_m in (1e-5, 5e-3):
+        _, table = adjusted(start, images().maps, RIG, replace(given, sigma_m=sigma_m), known=True)
+        assert table is not None
+        moved_m.append(float(table.height_m(RIG.left.R @ PLACED.translation)) - off_mm * -1e-3)
+    assert abs(moved_m[0]) < 0.15 * abs(off_mm) * 1e-3
+    assert abs(moved_m[1] - off_mm * 1e-3) < 0.3e-3
+
+
+def test_what_hangs_above_the_table_is_not_pulled_down() -> None:
+    start = fits(np.random.default_rng(3), 0.0, 0.0)
+    lower = tilted(TRUE, 0.0, -0.02)
+    found, _ = adjusted(start, images().maps, RIG, lower)
+    assert off_m(found).max() < 5e-4
+
+
+@pytest.mark.parametrize("light", [FROM_ABOVE, Lamp((0.5, -0.6, 0.6)), Lamp((-0.6, 0.5, 0.6))])
+def test_a_part_whose_edge_is_not_sharp_is_found_as_well(light: Lamp) -> None:
+    """Stepped by half a millimetre: whether the edge appears at the inner or at the outer rim, the light decides."""
+    step_m, radius_m, height_m = 5e-4, 0.02, 0.05
+    body = Cylinder(-0.07, 0.0, (2 * radius_m, 2 * radius_m, height_m))
+    below = replace(body, size_m=(2 * radius_m, 2 * radius_m, height_m - step_m))
+    top = Cylinder(-0.07, 0.0, (2 * (radius_m - step_m), 2 * (radius_m - step_m), step_m), base_m=height_m - step_m)
+    scene = Scene((below, top, *ALL[1:]), PLACED, ambient=0.5, lamps=(light,))
+    start = fits(np.random.default_rng(5), 0.0, 0.0, (body, *ALL[1:]))
+    found, _ = adjusted(start, Images(rectified(RIG, scene)).maps, RIG, TRUE)
+    assert off_m(found, (body, *ALL[1:])).max() < 4e-4

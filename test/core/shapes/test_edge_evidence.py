@@ -1,0 +1,63 @@
+"""What edges say of solids, on rendered scenes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from rendered_solids import PARTS, PLACED, RIG, rectified, solid_of
+from rendering import Scene
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, edge_evidence
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.solids import Solids
+
+SCENE = Scene(tuple(PARTS.values()), PLACED, ambient=0.6)
+
+
+@cache
+def images(empty: bool = False) -> Images:
+    return Images(rectified(RIG, Scene((), PLACED) if empty else SCENE))
+
+
+def evidence(solid: Solids, empty: bool = False) -> EdgeEvidence:
+    return edge_evidence(solid, images(empty).maps, RIG)
+
+
+def step(seen: EdgeEvidence) -> Floats:
+    """What to add to a solid's unknowns (P,), were they known no better before."""
+    return np.asarray(-np.linalg.solve(seen.normal[0] + np.eye(len(seen.right[0])), seen.right[0]))
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_part_that_is_there_is_shown_all_around_and_inside(name: str) -> None:
+    seen = evidence(solid_of(RIG, SCENE, PARTS[name]))
+    assert seen.shown[0] > 0.92 and seen.creased[0] > 0.6 and seen.scale_px[0] < 0.15
+    assert np.abs(step(seen)[:3]).max() < 3e-4
+
+
+@pytest.mark.parametrize("name", ["standing", "box"])
+def test_one_that_is_not_there_is_not(name: str) -> None:
+    seen = evidence(solid_of(RIG, SCENE, PARTS[name]), empty=True)
+    assert seen.shown[0] < 0.3 and seen.creased[0] < 0.3
+
+
+@pytest.mark.parametrize("name", PARTS)
+@pytest.mark.parametrize("axis", range(3))
+def test_the_step_leads_back(name: str, axis: int) -> None:
+    """From 0.3 mm off to either side, most of the way between the two comes back at once, also in depth."""
+    solid, off_m = solid_of(RIG, SCENE, PARTS[name]), 3e-4 * np.eye(3)[axis]
+    back = [step(evidence(replace(solid, centre_m=solid.centre_m + sign * off_m)))[:3] for sign in (1, -1)]
+    assert (back[1] - back[0])[axis] == pytest.approx(6e-4, rel=0.5 if axis == 2 else 0.1)
+
+
+def test_the_less_of_a_silhouette_shows_the_less_is_known() -> None:
+    """Half of a cylinder longer than the part lies on nothing."""
+    solid = solid_of(RIG, SCENE, PARTS["standing"])
+    longer = replace(solid, half_m=solid.half_m * (1, 1.8), centre_m=solid.centre_m)
+    right, wrong = evidence(solid), evidence(longer)
+    assert wrong.shown[0] < 0.8 * right.shown[0]
+    assert wrong.normal[0, 0, 0] < 0.5 * right.normal[0, 0, 0]
