@@ -41,7 +41,7 @@ class StepNode(Node):
         self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._error: StereoPickError | None = None
         self.last_error = ""
-        self._last_logged = ""
+        self._last_logged = (OK, "")
         self._diagnostics = self.advertise(DIAGNOSTICS)
         self.parameters = LiveParameters(self, parameters, self.configure, self._reconfigure)
         self._reconfigure()
@@ -95,10 +95,11 @@ class StepNode(Node):
         return guarded
 
     def _log(self, status: Status) -> None:
-        """Log what is new."""
-        if kind(status.message) == self._last_logged:
+        """Log what is new, or worse than it was."""
+        news = (status.level, kind(status.message))
+        if news == self._last_logged:
             return
-        self._last_logged = kind(status.message)
+        self._last_logged = news
         if status.level == ERROR:
             self.get_logger().error(status.message)
         elif status.level != OK:

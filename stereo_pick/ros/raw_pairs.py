@@ -75,7 +75,7 @@ class RawPairs:
     def trouble(self) -> Status | None:
         """What is missing, if anything is."""
         if self.counts.pairs == 0:
-            return Status(ERROR if self._has_waited() else WARN, self._why_no_pair())
+            return Status(self.missing_level(), self._why_no_pair())
         silent = self._silent()
         if not silent:
             return None
@@ -83,10 +83,12 @@ class RawPairs:
         level = WARN if len(silent) == len(SIDES) else ERROR
         return Status(level, f"no image on {topics} any more: is the camera running?")
 
-    def _has_waited(self) -> bool:
-        """Whether images have been coming for so long that their partners cannot just be on their way."""
+    def missing_level(self) -> bytes:
+        """ERROR once images have been coming for so long that what belongs to them cannot just be on its way."""
         first_ns = self._first_ns
-        return first_ns is not None and self._now_ns() - first_ns > _SILENT_AFTER_S * 1e9
+        waited = first_ns is not None and self._now_ns() - first_ns > _SILENT_AFTER_S * 1e9
+        level: bytes = ERROR if waited else WARN
+        return level
 
     def _why_no_pair(self) -> str:
         silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in SIDES if side not in self._last_ns]

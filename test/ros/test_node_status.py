@@ -158,6 +158,7 @@ def test_rectification_asks_for_the_camera_info_that_is_missing_and_then_uses_wh
         cameras.pair(rig=None)
 
     parts = ("no message on /right/camera_info", "calibrated")
+    cameras.until(without_right_info, told(graph, "rectification", WARN, *parts), "it may be on its way")
     cameras.until(without_right_info, told(graph, "rectification", ERROR, *parts), "camera_info is named")
     assert images == []
     held_ns = cameras.stamp_ns - STEP_NS

@@ -74,7 +74,7 @@ class RectificationNode(StepNode):
         ]
         if missing:
             message = f"no message on {' and '.join(missing)}: is the camera calibrated, and its camera_info published?"
-            return Status(ERROR, message, values)
+            return Status(self._raw.missing_level(), message, values)
         if trouble is not None:
             return replace(trouble, values=values)
         if self._rectified == 0:
