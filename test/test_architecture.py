@@ -6,6 +6,7 @@ import ast
 import shutil
 import sys
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import NamedTuple
@@ -123,16 +124,21 @@ def _core_cycles(package: str, imports: list[Import]) -> list[str]:
 def _imports(package: Path, modules: dict[str, Path]) -> Iterator[Import]:
     """Every import in the package, wherever it stands in a file; `from a import b` is a.b where that is a module."""
     for importer, file in modules.items():
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        for node in _import_nodes(file.read_text(encoding="utf-8")):
             where = f"{file.relative_to(package.parent)}:{getattr(node, 'lineno', 0)}"
             if isinstance(node, ast.Import):
                 yield from (Import(where, importer, alias.name) for alias in node.names)
-            elif isinstance(node, ast.ImportFrom):
+            else:
                 base = _absolute(node, importer, is_package=file.name == "__init__.py")
                 for alias in node.names:
                     deeper = f"{base}.{alias.name}"
                     is_module = deeper in modules or (base == package.name and alias.name in PARTS)
                     yield Import(where, importer, deeper if is_module else base)
+
+
+@cache
+def _import_nodes(source: str) -> list[ast.Import | ast.ImportFrom]:
+    return [node for node in ast.walk(ast.parse(source)) if isinstance(node, (ast.Import, ast.ImportFrom))]
 
 
 def _module(package: Path, file: Path) -> str:
