@@ -132,14 +132,17 @@ def _write_lines(lines: TextIO, results: Iterable[tuple[SourcePair, Result]], me
 
 def _results(pipeline: Pipeline, source: StereoSource) -> Iterator[tuple[SourcePair, Result]]:
     """Yield each pair with its result; raises ImageError at the end where no pair fits the calibration."""
-    located, faults = 0, []
+    located, faults, notice = 0, [], ""
     for pair in source:
         pipeline.positioning.check(pipeline.rig, pair.left_frame_id)
         left, right = pixels(pair.left, what="left image"), pixels(pair.right, what="right image")
         result = pipeline.run(StereoFrame(left, right, pair.stamp_ns))
         located += len(result.poses)
         faults += [fault] if (fault := rig_fault_of(result)) else []
+        notice = result.correspondences.notice or notice
         yield pair, result
+    if notice:
+        print(f"stereo-pick: warning: {notice}", file=sys.stderr)
     if faults and not located:
         remedy = (
             "; exchange --left-topic and --right-topic, or the files" if "swapped" in faults else " Calibrate again"

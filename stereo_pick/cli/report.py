@@ -30,6 +30,7 @@ def result_mapping(result: Result, method: str) -> dict[str, Any]:
         "polarity": result.blobs.polarity,
         "calibration_hash": calibration_hash(rig),
         "covariance_of": list(poses.covariance_of),
+        "turned_px": result.correspondences.turned_px,
         "objects": [_object(poses, index) for index in range(len(poses))],
         "refused": [_refused(refusal, rig) for refusal in poses.refused],
     }
@@ -46,6 +47,8 @@ def result_text(result: Result) -> str:
     if 0 < len(between) <= _MAX_DEPTHS:
         lines += ["", "depth between objects, Z(b) - Z(a):"]
         lines += [f"  {pair.first} - {pair.second}  {pair.depth_m * 1000:9.2f} mm" for pair in between]
+    if result.correspondences.notice:
+        lines += ["", result.correspondences.notice]
     if poses.refused:
         lines += ["", "refused:"]
         lines += [f"  {_refusal_text(refusal, result.pair.rig)}" for refusal in poses.refused]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from stereo_pick.core.correspondence import Correspondences, Method
 from stereo_pick.core.correspondence.correspondences import collect
 from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.correspondence.levelling import turn_of
 from stereo_pick.core.correspondence.rig_check import rig_fault
 from stereo_pick.core.correspondence.unseen import unseen
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
@@ -47,9 +48,12 @@ class Steps:
         if any(blobs.view_faults):
             return collect([], unseen(blobs, pair))
         fault = rig_fault(blobs, pair.rig)
-        if fault:
-            return collect([], [Refusal(fault, blob.centroid_px, None) for blob in blobs.sound()[0]])
-        return self.method.match(pair, blobs)
+        turn = None if fault else turn_of(blobs, pair.rig)
+        if fault or (turn and turn.is_too_far):
+            return collect([], [Refusal(fault or "misaligned", b.centroid_px, None) for b in blobs.sound()[0]])
+        if turn is None:
+            return self.method.match(pair, blobs)
+        return turn.told(self.method.match(*turn.undone(pair, blobs)))
 
     def locate(self, correspondences: Correspondences, rig: StereoRig, stamp_ns: int) -> ObjectPoses:
         """Triangulate what was matched."""

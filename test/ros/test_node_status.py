@@ -324,6 +324,21 @@ def test_correspondence_tells_of_a_view_without_light(graph: Graph, demo: Rectif
     )
 
 
+def test_correspondence_tells_of_a_camera_that_has_turned_and_matches_all_the_same(
+    graph: Graph, demo: RectifiedPair
+) -> None:
+    graph.host(CorrespondenceNode(graph.context))
+    cameras = Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    lower = np.roll(demo.right, 1, axis=0)
+    parts = ("has turned since its calibration", "1.0 rows off", "calibrate again")
+    cameras.until(
+        lambda: cameras.pair(demo.left, lower, demo.rig), told(graph, "correspondence", WARN, *parts), "a turn"
+    )
+    cameras.until(
+        lambda: cameras.pair(demo.left, demo.right, demo.rig), told(graph, "correspondence", OK, "4 objects"), "right"
+    )
+
+
 def test_correspondence_tells_of_exchanged_images_and_matches_none(graph: Graph, demo: RectifiedPair) -> None:
     graph.host(CorrespondenceNode(graph.context))
     found, cameras = graph.listen(CORRESPONDENCES), Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)

@@ -268,6 +268,18 @@ def test_exchanged_images_are_refused_by_every_command(good: Good, tmp_path: Pat
     assert objects == []
 
 
+def test_a_camera_that_has_turned_a_little_is_told_and_made_up_for(good: Good, tmp_path: Path) -> None:
+    turned = write_images(tmp_path / "turned", [(left, np.roll(right, 1, axis=0)) for left, right in good.pairs])
+    done = stereo_pick("replay", turned, "--calibration", DEMO_RIG)
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.status == 0 and [len(line["objects"]) for line in lines] == [4, 4, 4]
+    assert all(0.8 < line["turned_px"] < 1.2 for line in lines)
+    the_line(done.stderr, ["warning: a camera has turned", "1.0 rows off", "calibrate again"])
+    done = stereo_pick("locate", turned / "left00.png", turned / "right00.png", "--calibration", DEMO_RIG)
+    assert done.status == 0
+    the_line(done.stdout, ["a camera has turned", "calibrate again"])
+
+
 def test_exchanged_topics_are_refused_by_every_command(good: Good, system: System) -> None:
     topics = ("--left-topic", "/right/image_raw", "--right-topic", "/left/image_raw")
     run = system.start_command(

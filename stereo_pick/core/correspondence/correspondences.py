@@ -21,7 +21,8 @@ class Correspondences:
     right point in each direction [px], the currency in which all methods state their uncertainty; covariance:
     (N, 3, 3) [m²], rectified left frame, what adds to that of the position: both points are off together where a solid
     is; size_px: (N, 2), length and width of the object in the left rectified view [px]; direction_rad: (N,), direction
-    of its length there, from the x axis towards y; extents: N, the solid that explains it, or None.
+    of its length there, from the x axis towards y; extents: N, the solid that explains it, or None; turned_px: by how
+    many rows the right camera has turned since its calibration, which was undone before anything was matched.
     """
 
     left_px: Floats
@@ -32,6 +33,7 @@ class Correspondences:
     refused: tuple[Refusal, ...] = ()
     extents: tuple[Extent | None, ...] = ()
     covariance: Floats = field(default_factory=lambda: np.zeros((0, 3, 3)))
+    turned_px: float = 0.0
 
     def __post_init__(self) -> None:
         count = len(self.left_px)
@@ -48,6 +50,16 @@ class Correspondences:
 
     def __len__(self) -> int:
         return len(self.left_px)
+
+    @property
+    def notice(self) -> str:
+        """What of the rig should be put right, though the objects were found; empty where nothing."""
+        if not self.turned_px:
+            return ""
+        return (
+            f"a camera has turned since its calibration: objects are {self.turned_px:.1f} rows off. Positions are "
+            "corrected for that, and less sure: calibrate again"
+        )
 
 
 @dataclass(frozen=True, eq=False)

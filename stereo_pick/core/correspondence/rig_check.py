@@ -63,8 +63,10 @@ def _is_misaligned(blobs: Blobs, rig: StereoRig) -> bool:
     return len(offsets_px) >= _SEVERAL and abs(float(np.median(offsets_px))) > Feature().epipolar_tolerance_px
 
 
-def _fitting_px(left: list[Blob], right: list[Blob], rig: StereoRig) -> list[float]:
-    """By how many rows [px] the parts of both views differ, of those that fit one another."""
+def fitting_pairs(left: list[Blob], right: list[Blob], rig: StereoRig) -> list[tuple[int, int]]:
+    """The parts of both views that fit one another, by the better end of their outlines."""
+    if not left or not right:
+        return []
     method = Feature()
     offset_px = _end_offsets_px(left, right)
     tolerance_px = method.epipolar_tolerance_px + method.shape_tolerance * _lesser_heights_px(left, right)
@@ -73,8 +75,13 @@ def _fitting_px(left: list[Blob], right: list[Blob], rig: StereoRig) -> list[flo
     disparity_px = _columns_px(left)[:, None] - _columns_px(right)
     least_px, most_px = method.disparities_px(rig)
     may_be = (cost <= 1) & (np.abs(areas) < np.log(_SAME_PART)) & (disparity_px >= least_px) & (disparity_px <= most_px)
-    pairs = assign(np.where(may_be, cost, np.inf), unmatched_cost=1.0)
-    return [float(offset_px[pair]) for pair in pairs]
+    return assign(np.where(may_be, cost, np.inf), unmatched_cost=1.0)
+
+
+def _fitting_px(left: list[Blob], right: list[Blob], rig: StereoRig) -> list[float]:
+    """By how many rows [px] the parts of both views differ, of those that fit one another."""
+    pairs = fitting_pairs(left, right, rig)
+    return [float(px) for px in _end_offsets_px(left, right)[tuple(zip(*pairs))]] if pairs else []
 
 
 def _end_offsets_px(left: list[Blob], right: list[Blob]) -> Floats:

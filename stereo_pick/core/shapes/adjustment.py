@@ -31,6 +31,8 @@ _FARTHEST = 0.005  # of its distance, by which a solid moves in a round
 _LEAST_HALF = 0.02  # of its size
 _HARDLY = 3e-5  # ... and less than which is nothing
 _DOUBTED = 10.0  # sigmas from which on it is doubted that a solid touches the table as it should
+_UNKNOWN = 1000.0  # sigma
+_TURN_RAD = 0.0003  # sigma of the right camera's turns that the ends of outlines do not tell
 _KNOWN_TILT_RAD = np.deg2rad(0.5)  # sigma of a table that was given
 _FOOT_M = 0.00008  # sigma of the middle of what stands in its own shadow: that hides where it ends
 _BESIDE_M = 0.1  # from the middle of the solids, where others may stand
@@ -55,14 +57,14 @@ class _Group(NamedTuple):
 
 
 class _System(NamedTuple):
-    """Normal equations of the solids of a group: own (S, P, P), with the table's unknowns (S, P, 3), of these (3, 3),
-    and the right-hand sides (S, P) and (3,)."""
+    """Normal equations of the solids of a group: own (S, P, P), with what all solids have in common (S, P, 5), of that
+    (5, 5), and the right-hand sides (S, P) and (5,)."""
 
     own: Floats
     shared: Floats
-    table: Floats
+    common: Floats
     right: Floats
-    table_right: Floats
+    common_right: Floats
 
 
 class _Plane(NamedTuple):
@@ -82,18 +84,18 @@ def adjusted(
     """
     groups = _groups(fits, table)
     plane = _plane(table, fits) if table else None
-    prior = _prior(plane.table) if plane and known else 1e-6 * np.eye(3)
-    moved_by = np.zeros(3)  # of a known table: tilts and height
+    prior = _prior(plane.table if plane and known else None)
+    moved_by = np.zeros(5)  # tilts and height of the table, turns of the right camera
     for round_ in range(_ROUNDS + 1):
-        seen = [edge_evidence(group.solids, views, rig) for group in groups]
+        seen = [edge_evidence(group.solids, views, rig, moved_by[3:]) for group in groups]
         systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
         step, covariance = _solved(systems, prior, moved_by)
         if round_ == _ROUNDS:
             break
         steps = [_step(system, step) for system in systems]
         groups = [group._replace(solids=_moved(group.solids, each)) for group, each in zip(groups, steps)]
-        if plane:
-            plane, moved_by = _tilted(plane, step), moved_by + step
+        moved_by = moved_by + step
+        plane = _tilted(plane, step) if plane else None
         if max(_farthest(*each) for each in zip(groups, steps)) < _HARDLY:
             break
     found = [_results(*each, covariance, plane) for each in zip(groups, seen, systems)]
@@ -117,43 +119,45 @@ def _plane(table: Table, fits: Sequence[SolidFit]) -> _Plane:
     return _Plane(table, np.linalg.svd(table.normal[None])[2][1:], middle_m)
 
 
-def _prior(table: Table) -> Floats:
-    """What is known (3, 3) of the tilts and the height of a table that was given."""
-    return np.diag(np.array([_KNOWN_TILT_RAD, _KNOWN_TILT_RAD, table.sigma_m]) ** -2.0)
+def _prior(table: Table | None) -> Floats:
+    """What is known (5, 5) of the tilts and the height of a table, if it was given, and of the camera's turns."""
+    sigma = [_KNOWN_TILT_RAD, _KNOWN_TILT_RAD, table.sigma_m] if table else [_UNKNOWN] * 3
+    return np.diag(np.array([*sigma, _TURN_RAD, _TURN_RAD]) ** -2.0)
 
 
 def _system(group: _Group, seen: EdgeEvidence, plane: _Plane | None) -> _System:
-    own = seen.normal + np.eye(seen.normal.shape[1])  # nothing is off by more than 1 m or 1 rad
-    shared, table = np.zeros((*seen.right.shape, 3)), np.zeros((3, 3))
-    right, table_right = seen.right.copy(), np.zeros(3)
+    own = seen.normal[:, :-2, :-2] + np.eye(seen.normal.shape[1] - 2)  # nothing is off by more than 1 m or 1 rad
+    right, common, common_right = seen.right[:, :-2].copy(), np.zeros((5, 5)), np.zeros(5)
+    shared = np.concatenate([np.zeros((*right.shape, 3)), seen.normal[:, :-2, -2:]], axis=2)
+    common[3:, 3:], common_right[3:] = seen.normal[:, -2:, -2:].sum(axis=0), seen.right[:, -2:].sum(axis=0)
     if plane is None or not group.on_table.any():
-        return _System(own, shared, table, right, table_right)
+        return _System(own, shared, common, right, common_right)
     touch = touching(group.solids, *plane)
     weight = group.on_table[:, None] / (1 + (touch.off / _DOUBTED) ** 2)  # Cauchy's
     by_solid = touch.by_solid * weight[..., None]
     by_table = touch.by_table * weight[..., None]
     own += by_solid.transpose(0, 2, 1) @ touch.by_solid
-    shared += by_solid.transpose(0, 2, 1) @ touch.by_table
+    shared[..., :3] += by_solid.transpose(0, 2, 1) @ touch.by_table
     right += (by_solid * touch.off[..., None]).sum(axis=1)
-    table += np.einsum("ski,skj->ij", by_table, touch.by_table)
-    table_right += np.einsum("ski,sk->i", by_table, touch.off)
-    return _System(own, shared, table, right, table_right)
+    common[:3, :3] += np.einsum("ski,skj->ij", by_table, touch.by_table)
+    common_right[:3] += np.einsum("ski,sk->i", by_table, touch.off)
+    return _System(own, shared, common, right, common_right)
 
 
 def _solved(systems: Sequence[_System], prior: Floats, moved_by: Floats) -> tuple[Floats, Floats]:
-    """The table's step (3,) and covariance (3, 3), all solids' own unknowns eliminated (Schur)."""
+    """The common step (5,) and its covariance (5, 5), all solids' own unknowns eliminated (Schur)."""
     normal, right = prior.copy(), prior @ moved_by
     for each in systems:
         eliminated = np.linalg.solve(each.own, each.shared)
-        normal += each.table - np.einsum("spi,spj->ij", each.shared, eliminated)
-        right += each.table_right - np.einsum("spi,sp->i", eliminated, each.right)
+        normal += each.common - np.einsum("spi,spj->ij", each.shared, eliminated)
+        right += each.common_right - np.einsum("spi,sp->i", eliminated, each.right)
     covariance = np.asarray(np.linalg.inv(normal), np.float64)
     return -covariance @ right, covariance
 
 
-def _step(system: _System, table_step: Floats) -> Floats:
-    """The step (S, P) of each solid, with the table's."""
-    right = system.right + system.shared @ table_step
+def _step(system: _System, common: Floats) -> Floats:
+    """The step (S, P) of each solid, with the common one."""
+    right = system.right + system.shared @ common
     return -np.asarray(np.linalg.solve(system.own, right[..., None])[..., 0])
 
 
@@ -180,11 +184,11 @@ def _as_table(plane: _Plane, covariance: Floats) -> Table:
 
 
 def _results(
-    group: _Group, seen: EdgeEvidence, system: _System, table_covariance: Floats, plane: _Plane | None
+    group: _Group, seen: EdgeEvidence, system: _System, common_covariance: Floats, plane: _Plane | None
 ) -> list[Adjusted]:
     alone = np.linalg.inv(system.own)
     through = (alone @ system.shared)[:, :3]
-    covariance = alone[:, :3, :3] + through @ table_covariance @ through.transpose(0, 2, 1)
+    covariance = alone[:, :3, :3] + through @ common_covariance @ through.transpose(0, 2, 1)
     if plane is not None:
         covariance[group.on_table] += _FOOT_M**2 * np.outer(plane.table.normal, plane.table.normal)
     solids, size_m = group.solids, group.solids.size_m()

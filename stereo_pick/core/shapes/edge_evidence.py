@@ -31,10 +31,12 @@ _ARC_SIGMA_PX = 0.11  # of arcs on edges; the more of a silhouette lies on none,
 _LEAST_SHOWN = 0.25
 _ROUNDED_M = 0.0003  # one sigma of how far a crease slides
 _TINY = 1e-12
+_STILL = np.zeros(2)
 
 
 class EdgeEvidence(NamedTuple):
-    """normal: (S, P, P) and right: (S, P), the normal equations of a step, by their noise; scale_px: (S,), robust
+    """normal: (S, P + 2, P + 2) and right: (S, P + 2), the normal equations of a step, by their noise, of the solids
+    and, last, of the right camera about its x and z axis [rad]; scale_px: (S,), robust
     standard deviation of the distances; shown, creased: (S,), the part of the silhouettes (the least of both views)
     and of the creases (1 where there are none) that lies on edges."""
 
@@ -53,6 +55,10 @@ class _Rows(NamedTuple):
     jacobian: Floats
     weight: Floats
     length_px: Floats
+
+    def turned(self, turn_rad: Floats) -> _Rows:
+        """The same with the edges of the right view where they are without a turn (2,) of its camera."""
+        return self._replace(residual_px=self.residual_px + self.jacobian[..., -2:] @ turn_rad)
 
     def on_edge(self) -> Bools:
         """Where (S, M) there is an edge."""
@@ -100,14 +106,15 @@ class _Creases(NamedTuple):
         return np.where(expected > 0, found / np.maximum(expected, 1), 1.0)
 
 
-def edge_evidence(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig) -> EdgeEvidence:
-    """What two rectified views show beside and across solids (S).
+def edge_evidence(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, turn_rad: Floats = _STILL) -> EdgeEvidence:
+    """What two rectified views show beside and across solids (S); turn_rad: (2,), how the right camera has turned.
 
     Where two faces meet parts are rounded, and it is a matter of the light where on the round the edge appears: each
     crease may slide, as one in both views.
     """
     corners = silhouettes(solids, rig.eyes_m)
     outer, inner = _silhouettes(solids, corners, views, rig), _creases(solids, corners, views, rig)
+    outer, inner = outer.turned(turn_rad), inner._replace(rows=inner.rows.turned(turn_rad))
     slid = inner.at_edges()
     scale = _scale_px(outer, slid)
     shown = outer.on_edge().reshape(len(scale), 2, -1).mean(axis=2).min(axis=1)
@@ -143,17 +150,28 @@ def _silhouettes(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig:
     around_px = np.median(np.sqrt(dot(ahead, ahead)), axis=2)
     length_px = np.repeat(around_px, _POINTS, axis=1)
     weight = sight.weight.reshape(residual.shape)
-    return _Rows(residual, jacobian, weight, length_px)
+    turning = np.zeros((*residual.shape, 2))
+    turning[:, _POINTS:] = _turning_px(sight.points[:, 1], sight.normals[:, 1], rig.focal_px)
+    return _Rows(residual, np.concatenate([jacobian, turning], axis=2), weight, length_px)
+
+
+def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
+    """How much further (..., 2) [px/rad] something reaches beyond edges of the right view when its camera has turned
+    about its x or its z axis; at normalized points (..., 2) with normals (..., 2)."""
+    x, y = points[..., 0], points[..., 1]
+    about_x = dot(normals, np.stack([-x * y, -(1 + y * y)], axis=-1))
+    about_z = dot(normals, np.stack([-y, x], axis=-1))
+    return -focal_px * np.stack([about_x, about_z], axis=-1)
 
 
 def _creases(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig) -> _Creases:
-    sides = [_creases_in(solids, corners[:, i], eye_m, view) for i, (eye_m, view) in enumerate(zip(rig.eyes_m, views))]
+    sides = [_creases_in(solids, corners[:, i], rig.eyes_m[i], view, i == 1) for i, view in enumerate(views)]
     rows = _Rows(*(np.concatenate(each, axis=1) for each in zip(*(side.rows for side in sides))))
     slides, there = (np.concatenate(each, axis=1) for each in zip(*(side[1:] for side in sides)))
     return _Creases(rows, slides, there)
 
 
-def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap) -> _Creases:
+def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, may_turn: bool) -> _Creases:
     """Those of one view, each measured across the crease."""
     inner = creases(solids, eye_m[None])
     own = inner.unit[:, 0] * solids.half_m[:, None, solids.kind.axes]
@@ -171,7 +189,8 @@ def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap) -
     turned = across @ solids.rotation
     turns = cross(own, turned) @ solids.turns
     sizes = (own * turned) @ (solids.kind.shares / solids.half_m[:, None])
-    jacobian = np.concatenate([across, turns, sizes], axis=2)
+    turning = _turning_px(image, normals, focal) * may_turn
+    jacobian = np.concatenate([across, turns, sizes, turning], axis=2)
     rows = _Rows(offset, jacobian, weight, _spacing_px(image * focal))
     clear = seen & (inside(image, corners) * focal > _CLEAR_PX)
     return _Creases(rows, dot(turned, inner.slide[:, 0]), clear)

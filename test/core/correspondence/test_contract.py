@@ -64,9 +64,9 @@ def match(name: str, scene_name: str, rig_name: str = "verged", **values: object
 
 
 def content(found: Correspondences) -> list[object]:
-    arrays = [
-        getattr(found, field.name).tobytes() for field in fields(found) if field.name not in ("refused", "extents")
-    ]
+    others = ("refused", "extents", "turned_px")
+    arrays = [getattr(found, field.name).tobytes() for field in fields(found) if field.name not in others]
+    arrays.append(found.turned_px)
     arrays += [extent and extent.rotation.tobytes() + extent.size_m.tobytes() for extent in found.extents]
     places = [
         (r.reason, r.detail, *(None if p is None else p.tobytes() for p in (r.left_px, r.right_px)))

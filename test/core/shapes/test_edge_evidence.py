@@ -28,8 +28,9 @@ def evidence(solid: Solids, empty: bool = False) -> EdgeEvidence:
 
 
 def step(seen: EdgeEvidence) -> Floats:
-    """What to add to a solid's unknowns (P,), were they known no better before."""
-    return np.asarray(-np.linalg.solve(seen.normal[0] + np.eye(len(seen.right[0])), seen.right[0]))
+    """What to add to a solid's unknowns (P,), were they known no better before, and had no camera turned."""
+    normal, right = seen.normal[0, :-2, :-2], seen.right[0, :-2]
+    return np.asarray(-np.linalg.solve(normal + np.eye(len(right)), right))
 
 
 @pytest.mark.parametrize("name", PARTS)
