@@ -1,9 +1,10 @@
 """All solids of a scene, and the table they stand on, adjusted together to the edges of both views.
 
 Each solid by itself is known as well as its outline shows it. Together they say how the table lies, and that says what
-an outline alone does not: how deep an object is, and how it is turned. Solids and table are the unknowns of one least
-squares problem (a bundle adjustment, Triggs and others 1999); since solids meet through the table only, each is solved
-for by itself but for the table's three.
+an outline alone does not: how deep an object is, and how it is turned. They also say by how much the right camera has
+turned about its x and z axes since its calibration. All are unknowns of one least squares problem (a bundle adjustment,
+Triggs and others 1999); since solids have the table and the camera in common only, each is solved for by itself but for
+these five.
 """
 
 from __future__ import annotations
