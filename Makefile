@@ -23,7 +23,7 @@ demo: setup ## object poses of the demo bag, into demo_output
 	$(CLEAN_ENV) $(BIN)/stereo-pick demo --output demo_output
 
 test: setup ## run the tests
-	$(CLEAN_ENV) $(ONE_THREAD) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest -n 2
+	$(CLEAN_ENV) $(ONE_THREAD) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest -n 2 --dist worksteal
 
 check: setup ## lint, format and types
 	$(CLEAN_ENV) $(BIN)/ruff check

@@ -16,7 +16,7 @@ _SLANT_SIGMA = 0.3  # change of disparity along a row and from row to row, befor
 _MAX_SLANT = 0.7
 _GAIN_SIGMA = 0.5
 _OFFSET_SIGMA_DN = 50.0
-_CHUNK_SAMPLES = 1 << 20
+_CHUNK_SAMPLES = 1 << 17  # that fit into a cache
 _TINY = 1e-6
 
 

@@ -63,6 +63,9 @@ def match(name: str, scene_name: str, rig_name: str = "verged", **values: object
     return methods()[name].from_mapping(values).match(*view_of(scene_name, rig_name))
 
 
+matched_once = cache(match)
+
+
 def content(found: Correspondences) -> list[object]:
     others = ("refused", "extents", "turned_px")
     arrays = [getattr(found, field.name).tobytes() for field in fields(found) if field.name not in others]
@@ -85,7 +88,7 @@ def depths_m(found: Correspondences, pair: RectifiedPair) -> Floats:
 @every_method
 @pytest.mark.parametrize("scene_name", SCENES)
 def test_the_result_is_correspondences_with_frozen_arrays(name: str, scene_name: str) -> None:
-    found = match(name, scene_name)
+    found = matched_once(name, scene_name)
     assert isinstance(found, Correspondences)
     for field in ("left_px", "right_px", "sigma_px", "size_px", "direction_rad"):
         array = getattr(found, field)
@@ -105,7 +108,7 @@ def test_inputs_are_left_as_they_were(name: str) -> None:
 @every_method
 @every_scene
 def test_no_object_and_no_place_is_used_twice(name: str, scene_name: str) -> None:
-    found = match(name, scene_name)
+    found = matched_once(name, scene_name)
     for pixels in (found.left_px, found.right_px):
         apart = np.abs(pixels[:, None] - pixels[None]).max(axis=2) + 1e6 * np.eye(len(pixels))
         assert not len(pixels) or apart.min() > 2
@@ -116,7 +119,7 @@ def test_no_object_and_no_place_is_used_twice(name: str, scene_name: str) -> Non
 @pytest.mark.parametrize("rig_name", ["verged", "parallel"])
 def test_every_left_object_is_matched_or_refused(name: str, scene_name: str, rig_name: str) -> None:
     _, blobs = view_of(scene_name, rig_name)
-    found = match(name, scene_name, rig_name)
+    found = matched_once(name, scene_name, rig_name)
     accounted = [*found.left_px, *(r.left_px for r in found.refused if r.left_px is not None)]
     sound = blobs.sound()[0]
     assert len(accounted) >= len(sound)
@@ -130,7 +133,7 @@ def test_every_left_object_is_matched_or_refused(name: str, scene_name: str, rig
 def test_what_is_matched_is_the_same_object(name: str, scene_name: str, rig_name: str) -> None:
     """Whatever a method finds lies on one object in both views; what it is not sure of it refuses."""
     pair, _ = view_of(scene_name, rig_name)
-    found, scene = match(name, scene_name, rig_name), SCENES[scene_name]
+    found, scene = matched_once(name, scene_name, rig_name), SCENES[scene_name]
     owners = [
         [owner(lens, place, scene.solids, positions) for place in pixels]
         for lens, pixels, positions in (
@@ -199,7 +202,7 @@ def test_textureless_is_refused_or_right(name: str) -> None:
 
 @every_method
 def test_nothing_there_gives_nothing(name: str) -> None:
-    found = match(name, "empty")
+    found = matched_once(name, "empty")
     assert len(found) == 0 and not found.refused
 
 
@@ -214,13 +217,13 @@ def test_depths_stay_within_their_limits(name: str, limits_m: tuple[float, float
 
 @every_method
 def test_within_wide_limits_something_is_found(name: str) -> None:
-    assert max(len(match(name, scene_name)) for scene_name in SEEN_SCENES) >= 2
+    assert max(len(matched_once(name, scene_name)) for scene_name in SEEN_SCENES) >= 2
 
 
 @every_method
 @every_scene
 def test_the_same_input_gives_the_same_output(name: str, scene_name: str) -> None:
-    assert content(match(name, scene_name)) == content(match(name, scene_name))
+    assert content(match(name, scene_name)) == content(matched_once(name, scene_name))
 
 
 @every_method
