@@ -212,9 +212,9 @@ def test_row_differences_are_those_of_the_rings(rendered: tuple[BoardView, Board
 
 
 def test_large_pictures_are_made_smaller_and_stay_in_place(render_board: Callable[..., Image]) -> None:
-    big = (1600, 1200)
+    big = (1080, 810)
     R, at = rotation(0.1, 0.1, 0), np.array([-0.1, -0.07, 0.6])
-    K = RIG.left.K * [[2.5], [2.5], [1]]
+    K = RIG.left.K * [[1.69], [1.69], [1]]
     picture = render_board(BOARD, K, Transform(R, at), big)
     cameras = [type(RIG.left)(name, *big, K, np.zeros(5), np.eye(3), np.eye(3, 4)) for name in ("left", "right")]
     rig = type(RIG).from_extrinsics(*cameras, Transform(np.eye(3), np.array([-0.05, 0, 0])))
