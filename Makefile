@@ -34,6 +34,7 @@ bench: setup ## print the figures that the docs quote; SEEDS=30 for all scenes
 	$(CLEAN_ENV) $(BIN)/python benchmark/accuracy.py
 	$(CLEAN_ENV) $(BIN)/python benchmark/evaluate_families.py --rivals --seeds $(SEEDS)
 	$(CLEAN_ENV) $(BIN)/python benchmark/own_calibration.py --seeds $(SEEDS)
+	$(CLEAN_ENV) $(BIN)/python benchmark/turned_camera.py --seeds $(SEEDS)
 	$(CLEAN_ENV) $(BIN)/python benchmark/thesis_tables.py
 	$(CLEAN_ENV) $(BIN)/python benchmark/speed.py
 

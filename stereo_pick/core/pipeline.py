@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from stereo_pick.core.correspondence import Correspondences, Method
 from stereo_pick.core.correspondence.correspondences import collect
 from stereo_pick.core.correspondence.feature import Feature
@@ -47,12 +49,13 @@ class Steps:
         """Match the objects found; refuses all where a view cannot show them or misfits the calibration."""
         if any(blobs.view_faults):
             return collect([], unseen(blobs, pair))
-        fault = rig_fault(blobs, pair.rig)
-        turn = None if fault else turn_of(blobs, pair.rig)
-        if fault or (turn and turn.is_too_far):
-            return collect([], [Refusal(fault or "misaligned", b.centroid_px, None) for b in blobs.sound()[0]])
+        if fault := rig_fault(blobs, pair.rig):
+            return _none_of(blobs, fault)
+        turn = turn_of(blobs, pair.rig)
         if turn is None:
             return self.method.match(pair, blobs)
+        if turn.is_too_far:
+            return _none_of(blobs, "misaligned", f"turned by {np.rad2deg(turn.angle_rad):.2f} deg")
         return turn.told(self.method.match(*turn.undone(pair, blobs)))
 
     def locate(self, correspondences: Correspondences, rig: StereoRig, stamp_ns: int) -> ObjectPoses:
@@ -77,3 +80,7 @@ class Pipeline:
         blobs, correspondences = self.steps.correspond(pair)
         poses = self.positioning.place(self.steps.locate(correspondences, self.rig, frame.stamp_ns), self.rig)
         return Result(pair, blobs, correspondences, poses)
+
+
+def _none_of(blobs: Blobs, fault: str, detail: str = "") -> Correspondences:
+    return collect([], [Refusal(fault, blob.centroid_px, None, detail) for blob in blobs.sound()[0]])

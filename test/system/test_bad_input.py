@@ -274,7 +274,7 @@ def test_a_camera_that_has_turned_a_little_is_told_and_made_up_for(good: Good, t
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     assert done.status == 0 and [len(line["objects"]) for line in lines] == [4, 4, 4]
     assert all(0.8 < line["turned_px"] < 1.2 for line in lines)
-    the_line(done.stderr, ["warning: a camera has turned", "1.0 rows off", "calibrate again"])
+    the_line(done.stderr, ["warning: objects are 1.0 rows off", "a camera has turned", "calibrate again"])
     done = stereo_pick("locate", turned / "left00.png", turned / "right00.png", "--calibration", DEMO_RIG)
     assert done.status == 0
     the_line(done.stdout, ["a camera has turned", "calibrate again"])

@@ -57,8 +57,8 @@ class Correspondences:
         if not self.turned_px:
             return ""
         return (
-            f"a camera has turned since its calibration: objects are {self.turned_px:.1f} rows off. Positions are "
-            "corrected for that, and less sure: calibrate again"
+            f"objects are {self.turned_px:.1f} rows off between the views: a camera has turned since its calibration, "
+            "or that is poor. Positions are corrected for it, and less sure: calibrate again"
         )
 
 

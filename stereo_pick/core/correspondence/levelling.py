@@ -47,9 +47,14 @@ class Turn:
     offset_px: float
 
     @property
+    def angle_rad(self) -> float:
+        """Of both turns together."""
+        return float(np.hypot(self.pitch_rad, self.roll_rad))
+
+    @property
     def unseen_px(self) -> float:
         """How far objects may be off along their rows: by a turn about the y axis as large as what shows, one sigma."""
-        return float(self.camera.P[0, 0] * np.hypot(self.pitch_rad, self.roll_rad) / np.sqrt(2))
+        return float(self.camera.P[0, 0] * self.angle_rad / np.sqrt(2))
 
     @property
     def is_too_far(self) -> bool:

@@ -165,4 +165,4 @@ def test_cameras_that_stand_as_calibrated_are_told_nothing_of() -> None:
 def test_a_turn_after_which_depths_are_anybodys_guess_is_refused() -> None:
     result, _ = located((0, 0, 0.004))
     assert len(result.poses) == 0
-    assert {refusal.reason for refusal in result.poses.refused} == {"misaligned"}
+    assert {(each.reason, each.detail) for each in result.poses.refused} == {("misaligned", "turned by 0.23 deg")}
