@@ -3,7 +3,8 @@ PYTHON ?= python3
 # A sourced ROS 2 must not mix in: .venv brings its own.
 CLEAN_ENV := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH
 BIN := .venv/bin
-# Tests run side by side already: more threads than cores wait for each other, a quarter of the time.
+# Three tests at a time keep two cores busy, since nodes wait for each other; threads beside them would only get in
+# the way: a quarter of the time.
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OPENCV_FOR_THREADS_NUM=1
 # Scenes of each family in `make bench`; the docs have thirty.
 SEEDS ?= 3
@@ -23,7 +24,7 @@ demo: setup ## object poses of the demo bag, into demo_output
 	$(CLEAN_ENV) $(BIN)/stereo-pick demo --output demo_output
 
 test: setup ## run the tests
-	$(CLEAN_ENV) $(ONE_THREAD) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest -n 2 --dist worksteal
+	$(CLEAN_ENV) $(ONE_THREAD) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest -n 3 --dist worksteal
 
 check: setup ## lint, format and types
 	$(CLEAN_ENV) $(BIN)/ruff check

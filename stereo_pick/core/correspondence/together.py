@@ -10,18 +10,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.located import trusted_outlines
 from stereo_pick.core.correspondence.position import Row, by_adjusted, by_supported, with_dark_ends
 from stereo_pick.core.objects.blob import SHARP
+from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
+from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
+from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
 _CREASED, _WELL_CREASED = 1 / 3, 1 / 2  # of its creases without which an object is no prism, or is in doubt ...
 _WELL_SHOWN = 0.92  # of its silhouette, all but its corners, with which it is one: its faces may be dark, or lit, alike
 _DOUBT = 0.05  # ... by one sigma of this part of its size
+_HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
 _ASTRAY_PX = 0.3  # from its edges, where a solid is not what they show: it says nothing about the table
 
 
@@ -49,7 +54,7 @@ def adjusted_together(images: Images, rows: Sequence[Row], table: Table | None, 
     sound = [other for other in others if other is not None and other not in astray]
     if sound != solids:
         found, common = _adjusted(images, sound, table, known)
-    placed = [row if _is_astray(each) else _placed(images, row, each) for row, each in zip(sound, found)]
+    placed = [row if _is_astray(each) else _placed(images, row, each, common) for row, each in zip(sound, found)]
     return Together(rest + astray + placed, unlike, common)
 
 
@@ -71,13 +76,32 @@ def _reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None
     return _as_cylinder(images, row, table) or (row if found.shown > _WELL_SHOWN else None)
 
 
-def _placed(images: Images, row: Row, found: Adjusted) -> Row:
+def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row:
     """Where the solid is; where many of its creases do not show, it may be longer or shorter than it seems."""
     (blobs, where), fit = row, found.fit
-    doubt = where.doubt
+    doubt = where.doubt + (_as_if_it_stood(fit, table, images.rig) if table else 0.0)
     if isinstance(KINDS[fit.kind], Prism) and found.creased < _WELL_CREASED:
-        doubt = doubt + (_DOUBT * float(fit.size_m.mean())) ** 2 * np.eye(3)
+        doubt = doubt + _of_size(fit)
     return blobs, by_adjusted(images.rig, where, fit, doubt)
+
+
+def _as_if_it_stood(fit: SolidFit, table: Table, rig: StereoRig) -> Floats:
+    """Covariance (3, 3) [m²] from where it hangs, a little above the table, to where another solid that is seen alike
+    would stand.
+
+    Nothing hangs in the air, and what lies on something else is higher up than a part of its own size.
+    """
+    height_m = float(table.under(fit.solid)[0][0])
+    if stands_on(table, fit) or not 0 < height_m < _HANGS * float(fit.size_m.min()):
+        return np.zeros((3, 3))
+    ahead = fit.centre_m - rig.eyes_m.mean(axis=0)
+    down_m = -ahead * height_m / float(table.normal @ ahead)
+    return np.outer(down_m, down_m) / 4 + _of_size(fit)
+
+
+def _of_size(fit: SolidFit) -> Floats:
+    """Covariance (3, 3) [m²] of the centre of what may be larger or smaller."""
+    return np.asarray((_DOUBT * float(fit.size_m.mean())) ** 2 * np.eye(3))
 
 
 def _as_cylinder(images: Images, row: Row, table: Table | None) -> Row | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from families import staged
@@ -62,3 +64,20 @@ def test_depth_differences_are_a_tenth_of_a_millimetre(table: str) -> None:
     off_z = poses.xyz[nearest, 2] - truth[:, 2]
     i, j = np.triu_indices(len(truth), 1)
     assert len(poses) == 4 and np.abs(off_z[i] - off_z[j]).mean() < 0.2e-3
+
+
+def sigma_m(lifted_m: float) -> float:
+    """One sigma of the depth of a ball among what stands, so far above the table."""
+    ball = replace(PARTS["sphere"], base_m=lifted_m)
+    scene = Scene((*(part for name, part in PARTS.items() if name != "sphere"), ball), PLACED, ambient=0.6)
+    poses = seen(scene, Feature())
+    off_m = np.linalg.norm(poses.xyz - scene.positions_m()[-1], axis=1)
+    assert off_m.min() < 1e-3
+    return float(np.sqrt(poses.covariance[off_m.argmin(), 2, 2]))
+
+
+def test_what_seems_to_hang_in_the_air_may_be_something_else_that_stands() -> None:
+    """Nothing hangs a little above a table; what is higher up by as much as it is large lies on something."""
+    standing, hanging, on_top = (sigma_m(lifted) for lifted in (0.0, 0.01, 0.035))
+    assert standing < 0.5e-3 and on_top < 1e-3
+    assert hanging > 0.01 / 2
