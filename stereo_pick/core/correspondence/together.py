@@ -25,6 +25,7 @@ from stereo_pick.core.shapes.table import Table
 
 _CREASED, _WELL_CREASED = 1 / 3, 1 / 2  # of its creases without which an object is no prism, or is in doubt ...
 _WELL_SHOWN = 0.92  # of its silhouette, all but its corners, with which it is one: its faces may be dark, or lit, alike
+_ROUND_SHOWN = 0.75  # ... or a cylinder: a tube may be black to its rim
 _DOUBT = 0.05  # ... by one sigma of this part of its size
 _HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
 _ASTRAY_PX = 0.3  # from its edges, where a solid is not what they show: it says nothing about the table
@@ -71,8 +72,10 @@ def _is_astray(found: Adjusted) -> bool:
 
 def _reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
     """The same, or what the object is if it is no prism; None where that is open."""
-    if not isinstance(KINDS[found.fit.kind], Prism) or found.creased >= _CREASED:
+    if found.creased >= _CREASED:
         return row
+    if not isinstance(KINDS[found.fit.kind], Prism):
+        return row if found.shown > _ROUND_SHOWN else None
     return _as_cylinder(images, row, table) or (row if found.shown > _WELL_SHOWN else None)
 
 
@@ -80,7 +83,7 @@ def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> R
     """Where the solid is; where many of its creases do not show, it may be longer or shorter than it seems."""
     (blobs, where), fit = row, found.fit
     doubt = where.doubt + (_as_if_it_stood(fit, table, images.rig) if table else 0.0)
-    if isinstance(KINDS[fit.kind], Prism) and found.creased < _WELL_CREASED:
+    if found.creased < _WELL_CREASED and (isinstance(KINDS[fit.kind], Prism) or found.shown < _WELL_SHOWN):
         doubt = doubt + _of_size(fit)
     return blobs, by_adjusted(images.rig, where, fit, doubt)
 
