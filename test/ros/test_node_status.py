@@ -432,7 +432,9 @@ def test_capture_waits_for_listeners_and_then_tells_how_far_it_is(tmp_path: Path
         graph.spin(0.3)
         assert left == []
         right = graph.listen(IMAGE_RAW["right"])
-        graph.wait(lambda: len(left) == len(right) == 3, "all three pairs")
+        graph.spin(0.15)
+        late = graph.listen(CAMERA_INFO["left"])  # nobody subscribes to all topics at the same moment
+        graph.wait(lambda: len(left) == len(right) == len(late) == 3, "all three pairs, and their camera_info")
         graph.wait(told(graph, "capture", OK, "finished", str(bag), "3 pairs"), "the end")
         graph.wait(lambda: node.finished, "done")
         graph.close()

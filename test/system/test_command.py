@@ -206,7 +206,7 @@ def processes_in(domain: int) -> list[str]:
 def test_the_demo_ends_with_its_verdict(tmp_path: Path) -> None:
     with reserved_domain() as domain:
         done = stereo_pick("demo", "--output", tmp_path / "out", env=environment(domain))
-    assert (done.status, done.stderr) == (0, "")
+    assert (done.status, done.stderr) == (0, ""), done.stdout
     *_, drawn, verdict = done.stdout.splitlines()
     assert verdict.startswith("demo: OK: 24 of 24 pairs, 96 objects found, 0 missed, 0 ghosts; ")
     picture = cv2.imread(drawn.removeprefix("annotated picture: "))

@@ -28,6 +28,7 @@ from stereo_pick.sources.opening import open_source
 from stereo_pick.sources.source import SourcePair, StereoSource
 
 _LINGER_S = 1.0  # until the last images have left the process
+_SETTLE_S = 0.5  # until who listens to the images knows all topics: what comes before is lost to them
 _IDLE_S = 0.02
 
 
@@ -83,6 +84,7 @@ class CaptureNode(StepNode):
         self._replay_clock = ReplayClock(self._options.rate)
         self._published = 0
         self._started_ns = self.steady_clock.now().nanoseconds
+        self._heard_ns: int | None = None
         self._ended_ns: int | None = None
         self._failure: StereoPickError | None = None
         self._images = {side: self.advertise(IMAGE_RAW[side]) for side in SIDES}
@@ -120,9 +122,14 @@ class CaptureNode(StepNode):
             self._replay(now_ns)
 
     def _is_awaited(self, now_ns: int) -> bool:
-        """Whether somebody listens to both images, or has been waited for long enough."""
-        listeners = min(self._images[side].get_subscription_count() for side in SIDES)
-        return listeners > 0 or now_ns - self._started_ns > self._options.wait_for_subscribers_s * 1e9
+        """Whether somebody has been listening to both images for a moment, or has been waited for long enough."""
+        if now_ns - self._started_ns > self._options.wait_for_subscribers_s * 1e9:
+            return True
+        if min(self._images[side].get_subscription_count() for side in SIDES) == 0:
+            self._heard_ns = None
+            return False
+        self._heard_ns = self._heard_ns or now_ns
+        return now_ns - self._heard_ns > _SETTLE_S * 1e9
 
     def _replay(self, now_ns: int) -> None:
         """Publish what is due, and sleep until the next pair is."""
