@@ -284,7 +284,7 @@ class Done:
 def stereo_pick(*args: str | Path, env: Mapping[str, str] | None = None, cwd: Path | None = None) -> Done:
     """Run the command `stereo-pick` to its end, as a process; it may never print a traceback."""
     command = [sys.executable, "-m", "stereo_pick.cli.main", *map(str, args)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=90, env=env, cwd=cwd, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=150, env=env, cwd=cwd, check=False)
     assert "Traceback" not in done.stdout + done.stderr, done.stderr
     return Done(done.returncode, done.stdout, done.stderr)
 

@@ -25,7 +25,7 @@ from stereo_pick.sources.opening import open_source
 
 _GATE_M = 0.03  # further away an estimate belongs to no true object
 _MAX_MEAN_DEPTH_ERROR_M = 0.0015
-_RATE = 0.1  # three pairs a second: a slow or busy machine keeps up, too
+_RATES = (0.1, 0.05)  # three pairs a second; half as many, where the machine is too busy for that
 
 _DESCRIPTION = """\
 Replay the demo bag (a rendered conveyor scene with exactly known positions) through the four nodes, each a process of
@@ -95,19 +95,30 @@ def run(args: argparse.Namespace) -> int:
     args.output.mkdir(parents=True, exist_ok=True)
     os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))  # apart from a robot that is running
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    score = Score(load_truth(bags / "demo_truth.json"))
-    print("starting four nodes on the demo bag ...", flush=True)
-    print(
-        f"{'time s':>8} {'object':<10} {'x, y, z measured [mm]':>26}  {'x, y, z true [mm]':>26} {'error':>7}",
-        flush=True,
-    )
-    run_chain({"source": str(bags / "demo"), "rate": _RATE}, {}, score.receive)
+    score = _replayed(bags)
     picture = args.output / "annotated.png"
     _draw(bags / "demo", picture)
     good, line = score.verdict()
     print(f"annotated picture: {picture}")
     print(line)
     return 0 if good else 1
+
+
+def _replayed(bags: Path) -> Score:
+    """What came of the bag; once more, and slower, where pairs were lost on the way."""
+    score = Score(load_truth(bags / "demo_truth.json"))
+    for rate in _RATES:
+        score = Score(score.truth)
+        print("starting four nodes on the demo bag ...", flush=True)
+        print(
+            f"{'time s':>8} {'object':<10} {'x, y, z measured [mm]':>26}  {'x, y, z true [mm]':>26} {'error':>7}",
+            flush=True,
+        )
+        outcome = run_chain({"source": str(bags / "demo"), "rate": rate}, {}, score.receive)
+        if outcome.stopped or score.frames >= len(score.truth):
+            break
+        print(f"{score.frames} of {len(score.truth)} pairs came through: this machine is busy", flush=True)
+    return score
 
 
 def find_bags() -> Path:

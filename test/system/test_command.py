@@ -6,7 +6,7 @@ import json
 import os
 import re
 import signal
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,9 @@ from recordings import DEMO_RIG, Recording, demo_pairs, write_images
 from ros_tools import System, environment, reserved_domain, slowness, stereo_pick
 from rosbags.highlevel import AnyReader
 
+from stereo_pick.cli import demo
 from stereo_pick.cli.main import main
+from stereo_pick.cli.run import Outcome
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.correspondence.extent import KINDS
 from stereo_pick.core.refusal import REASONS
@@ -213,8 +215,29 @@ def test_the_demo_ends_with_its_verdict(tmp_path: Path) -> None:
     assert picture is not None
     assert picture.shape == (480, 1280, 3)
     rows = [line for line in done.stdout.splitlines() if re.match(r" +\d+\.\d{3} (mover|cylinder|box|ball) ", line)]
-    assert len(rows) == 96
+    assert len(rows) >= 96  # and those of a first run, where this machine was too busy
     assert all(float(row.split()[-1]) < 3 for row in rows)
+
+
+@pytest.mark.parametrize("stopped", [False, True])
+def test_the_demo_goes_slower_where_pairs_were_lost_but_not_after_ctrl_c(
+    stopped: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rates: list[float] = []
+
+    def run_chain(capture: dict[str, Any], _values: dict[str, Any], show: Callable[..., None]) -> Outcome:
+        rates.append(capture["rate"])
+        truth = demo.load_truth(demo.find_bags() / "demo_truth.json")
+        for stamp_ns, objects in list(truth.items())[len(rates) == 1 :]:
+            show(stamp_ns, "left_eye", list(objects.values()))
+        return Outcome(0, 0, (), stopped)
+
+    monkeypatch.setattr(demo, "run_chain", run_chain)
+    monkeypatch.setenv("ROS_DOMAIN_ID", "0")
+    status = main(["demo", "--output", str(tmp_path)])
+    assert status == (1 if stopped else 0) and len(rates) == (1 if stopped else 2)
+    assert sorted(rates, reverse=True) == rates
+    assert ("23 of 24 pairs came through: this machine is busy" in capsys.readouterr().out) == (not stopped)
 
 
 @pytest.mark.parametrize("command", ["", "run", "locate", "replay", "calibrate", "parameters", "demo"])
