@@ -8,28 +8,19 @@ scenes; then it locates the parts in all of them.
 
 from __future__ import annotations
 
-import argparse
 from functools import partial
 from pathlib import Path
 
 from accuracy import replace_generated
 from calibrated_scenes import Outcome, outcome
 from calibration_tables import report
-from families import FAMILIES
-from processes import each
+from processes import each, scene_parser
 
 
 def main() -> None:
     """Print the tables, or put them into a page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument(
-        "--family", nargs="+", choices=FAMILIES, default=["two_cylinders", "four_cylinders", "mixed_shapes"]
-    )
+    parser = scene_parser(__doc__, ["two_cylinders", "four_cylinders", "mixed_shapes"])
     parser.add_argument("--calibrations", type=int, default=20, help="of each rig (default 20)")
-    parser.add_argument("--seeds", type=int, default=30, help="scenes a family (default 30)")
-    parser.add_argument("--cache", type=Path, help="folder that keeps the rendered scenes")
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
-    parser.add_argument("--write", type=Path, help="page whose generated part is replaced")
     options = parser.parse_args()
     jobs = [(family, seed) for family in options.family for seed in range(options.seeds)]
     outcomes = each(jobs, partial(_outcomes, options.calibrations, options.cache), options.jobs)

@@ -5,20 +5,18 @@ python benchmark/turned_camera.py [--family NAME ...] [--seeds N] [--cache DIR] 
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
 from accuracy import replace_generated
-from families import FAMILIES
 from family_cache import taken
 from family_scoring import SceneScore, score
 from family_tables import by_family
 from formatting import markdown_table, mean_and_max
 from mahalanobis import covered
-from processes import each
+from processes import each, scene_parser
 from rendering.rigs import BENCH_RIGS, rotation
 
 from stereo_pick.core.pipeline import Pipeline, Steps
@@ -45,15 +43,7 @@ _HEADER = (
 
 def main() -> None:
     """Print the table, or put it into a page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument(
-        "--family", nargs="+", choices=FAMILIES, default=["four_cylinders", "mixed_shapes", "light_differences"]
-    )
-    parser.add_argument("--seeds", type=int, default=30, help="scenes a family (default 30)")
-    parser.add_argument("--cache", type=Path, help="folder that keeps the rendered scenes")
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
-    parser.add_argument("--write", type=Path, help="page whose generated part is replaced")
-    options = parser.parse_args()
+    options = scene_parser(__doc__, ["four_cylinders", "mixed_shapes", "light_differences"]).parse_args()
     jobs = [(family, seed) for family in options.family for seed in range(options.seeds)]
     scores = each(jobs, partial(turned_scores, options.cache), options.jobs)
     text = report(scores)

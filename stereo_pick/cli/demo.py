@@ -106,18 +106,16 @@ def run(args: argparse.Namespace) -> int:
 
 def _replayed(bags: Path) -> Score:
     """What came of the bag; once more, and slower, where pairs were lost on the way."""
-    score = Score(load_truth(bags / "demo_truth.json"))
+    truth, header = load_truth(bags / "demo_truth.json"), ("x, y, z measured [mm]", "x, y, z true [mm]")
+    score = Score(truth)
     for rate in _RATES:
-        score = Score(score.truth)
+        score = Score(truth)
         print("starting four nodes on the demo bag ...", flush=True)
-        print(
-            f"{'time s':>8} {'object':<10} {'x, y, z measured [mm]':>26}  {'x, y, z true [mm]':>26} {'error':>7}",
-            flush=True,
-        )
+        print(f"{'time s':>8} {'object':<10} {header[0]:>26}  {header[1]:>26} {'error':>7}", flush=True)
         outcome = run_chain({"source": str(bags / "demo"), "rate": rate}, {}, score.receive)
-        if outcome.stopped or score.frames >= len(score.truth):
+        if outcome.stopped or score.frames >= len(truth):
             break
-        print(f"{score.frames} of {len(score.truth)} pairs came through: this machine is busy", flush=True)
+        print(f"{score.frames} of {len(truth)} pairs came through: this machine is busy", flush=True)
     return score
 
 

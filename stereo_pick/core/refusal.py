@@ -28,7 +28,7 @@ REASONS = {
     "ray_gap": "its two rays pass each other at more than max_ray_gap_m",
     "swapped": "the left and the right images are exchanged (or the calibration is wrong): "
     "the objects fit only the other way round",
-    "misaligned": "most objects fit nothing in the other view: has a camera moved since its calibration?",
+    "misaligned": "the objects of one view do not fit those of the other: has a camera moved since its calibration?",
     "too_dark": "the view has so little light that no object could be told from its background",
     "saturated": "over-exposed: what is as bright as a pixel can be has no edges",
     "out_of_focus": "not even the sharpest part of its outline is sharp enough to be placed",

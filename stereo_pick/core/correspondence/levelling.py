@@ -24,6 +24,7 @@ from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.refinement import bounded, tukey
+from stereo_pick.core.shapes.sight import normalized, turning
 
 _END_PX = np.array(0.1)  # by which light and noise move the end of an outline in one view against the other
 _AGREEING = 3.0  # of these, within which ends tell of one turn
@@ -116,8 +117,8 @@ def _end(left: Blob, right: Blob, which: Callable[[Floats], np.intp]) -> tuple[f
 
 def _rows_per_rad(points_px: Floats, camera: Camera) -> Floats:
     """By how many rows points (N, 2) of a rectified view move when its camera turns about x or z: (N, 2)."""
-    x, y = ((points_px[:, axis] - camera.P[axis, 2]) / camera.P[axis, axis] for axis in (0, 1))
-    return np.asarray(camera.P[1, 1] * np.stack([-(1 + y * y), x], axis=1))
+    rows = [moved[:, 1] for moved in turning(normalized(points_px, camera))]
+    return np.asarray(camera.P[1, 1] * np.stack(rows, axis=1))
 
 
 def _turn_rad(per_rad: Floats, offset_px: Floats) -> Floats:

@@ -99,7 +99,7 @@ def by_solid(rig: StereoRig, fit: SolidFit, shown: float) -> Located:
 def by_adjusted(rig: StereoRig, where: Located, fit: SolidFit, doubt: Floats) -> Located:
     """The images of a solid's centre, known as well as its covariance says; doubt: (3, 3) [m²], of what solid it is.
 
-    where: by its outlines. They stay as far apart in their rows as these are: that tells of a camera that has moved.
+    where: by its outlines. They stay as far apart in their rows as these are: by that the outlines do not agree.
     """
     apart_px = np.array([0.0, float(where.left_px[1] - where.right_px[1]) / 2])
     left_px, right_px = fit.centre_px(rig.left) + apart_px, fit.centre_px(rig.right) - apart_px

@@ -21,7 +21,7 @@ from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.refinement import LEAST_SCALE_PX, robust_scale, tukey
 from stereo_pick.core.shapes.residuals import residuals
-from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.sight import Sight, turning
 from stereo_pick.core.shapes.solids import Solids
 
 _POINTS = 120  # of a silhouette
@@ -150,18 +150,15 @@ def _silhouettes(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig:
     around_px = np.median(np.sqrt(dot(ahead, ahead)), axis=2)
     length_px = np.repeat(around_px, _POINTS, axis=1)
     weight = sight.weight.reshape(residual.shape)
-    turning = np.zeros((*residual.shape, 2))
-    turning[:, _POINTS:] = _turning_px(sight.points[:, 1], sight.normals[:, 1], rig.focal_px)
-    return _Rows(residual, np.concatenate([jacobian, turning], axis=2), weight, length_px)
+    by_turns = np.zeros((*residual.shape, 2))
+    by_turns[:, _POINTS:] = _turning_px(sight.points[:, 1], sight.normals[:, 1], rig.focal_px)
+    return _Rows(residual, np.concatenate([jacobian, by_turns], axis=2), weight, length_px)
 
 
 def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
     """How much further (..., 2) [px/rad] something reaches beyond edges of the right view when its camera has turned
     about its x or its z axis; at normalized points (..., 2) with normals (..., 2)."""
-    x, y = points[..., 0], points[..., 1]
-    about_x = dot(normals, np.stack([-x * y, -(1 + y * y)], axis=-1))
-    about_z = dot(normals, np.stack([-y, x], axis=-1))
-    return -focal_px * np.stack([about_x, about_z], axis=-1)
+    return -focal_px * np.stack([dot(normals, moved) for moved in turning(points)], axis=-1)
 
 
 def _creases(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig) -> _Creases:
@@ -189,8 +186,8 @@ def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, m
     turned = across @ solids.rotation
     turns = cross(own, turned) @ solids.turns
     sizes = (own * turned) @ (solids.kind.shares / solids.half_m[:, None])
-    turning = _turning_px(image, normals, focal) * may_turn
-    jacobian = np.concatenate([across, turns, sizes, turning], axis=2)
+    by_turns = _turning_px(image, normals, focal) * may_turn
+    jacobian = np.concatenate([across, turns, sizes, by_turns], axis=2)
     rows = _Rows(offset, jacobian, weight, _spacing_px(image * focal))
     clear = seen & (inside(image, corners) * focal > _CLEAR_PX)
     return _Creases(rows, dot(turned, inner.slide[:, 0]), clear)

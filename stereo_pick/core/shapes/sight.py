@@ -81,6 +81,13 @@ def tangent_planes(points: Floats, normals: Floats) -> Floats:
     return np.concatenate([normals, -dot(points, normals)[..., None]], axis=-1)
 
 
+def turning(points: Floats) -> tuple[Floats, Floats]:
+    """How normalized image points (..., 2) move, per radian (..., 2), as a turn of their camera about its x axis, and
+    one about its z axis, is undone."""
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([-x * y, -(1 + y * y)], axis=-1), np.stack([-y, x], axis=-1)
+
+
 def normalized(points_px: Floats, camera: Camera) -> Floats:
     """Points (N, 2) of a rectified view as directions (N, 2), the third component of which is 1."""
     return np.asarray((points_px - camera.P[:2, 2]) / camera.P[[0, 1], [0, 1]])
