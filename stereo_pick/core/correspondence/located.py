@@ -7,6 +7,7 @@ both outlines says how far off it is; where the outlines show only a part of the
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -122,7 +123,7 @@ def _unless_flat(rig: StereoRig, blobs: BlobPair, located: Located) -> Located:
         return located
     if located.fit is None:
         return _refused(blobs, "flat") if shows_one_face(*blobs, rig) else located
-    return _refused(blobs, "flat") if is_flat(located.fit, TOP) else located
+    return replace(located, reason="flat") if is_flat(located.fit, TOP) else located
 
 
 def is_flat(fit: SolidFit, flat: float = _FLAT) -> bool:

@@ -14,6 +14,8 @@ from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.adjustment import adjusted
+from stereo_pick.core.shapes.below_faces import tables_below
 from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables, surely_on
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images, Supported
@@ -23,26 +25,42 @@ from stereo_pick.core.shapes.table import Table
 _ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 2.0, 4.0  # by how much the lit parts of one object may differ
 _SURE_PX = 0.2  # sigma from which a table may better a position
 _TRIED_TABLES, _TRIED_PAIRS = 4, 3
+_LEAST = 2  # objects that must stand on a table before they say more about it
 
 
 @dataclass(frozen=True, eq=False)
 class SecondLook:
     """images: the views; pairs: what in them may be the lit parts of the same objects, not found without a table;
-    flat_parts: whether parts may be as thin as a print."""
+    faces: thin solids that may be the lit tops of objects; flat_parts: whether parts may be as thin as a print."""
 
     images: Images
     pairs: Sequence[BlobPair]
+    faces: Sequence[tuple[BlobPair, SolidFit]]
     flat_parts: bool
 
     def found_table(self, kept: Sequence[Row]) -> Table | None:
-        """The table that the objects found agree on, with what the edges alone say of the others if need be; or that
-        one of them supposes, and on which another one is found, too."""
-        fits = [where.fit for _, where in kept]
-        agreed = common_table(fits)
+        """The table that the objects found agree on, with what the edges alone say of the others if need be; or one
+        that lit faces or one of the objects let suppose, and on which another object is found, too.
+
+        It is adjusted together with the objects that are surely seen to stand on it.
+        """
+        fits = [where.fit for _, where in kept if where.fit is not None]
+        table = self._agreed(fits)
+        standing = [fit for fit in fits if table is not None and stands_on(table, fit)]
+        if table is None or len(standing) < _LEAST:
+            return table
+        return adjusted(standing, self.images.maps, self.images.rig, table, known=True)[1]
+
+    def _agreed(self, fits: list[SolidFit]) -> Table | None:
+        agreed = common_table(fits, self._level)
         if agreed is not None:
             return agreed
-        fits += self._bodies()
-        return common_table(fits) or self._verified(fits)
+        fits = fits + self._bodies()
+        return common_table(fits, self._level) or self._below_faces(fits) or self._verified(fits)
+
+    @property
+    def _level(self) -> list[SolidFit]:
+        return [fit for _, fit in self.faces]
 
     def _bodies(self) -> list[SolidFit]:
         """The solids, on whatever table, that the edges of both views support for the pairs."""
@@ -51,10 +69,21 @@ class SecondLook:
         found = [self.images.best([each]) for each in readings]
         return [each.fit for each in found if each is not None and not is_flat(each.fit, TOP)]
 
-    def _verified(self, fits: Sequence[SolidFit | None]) -> Table | None:
+    def _below_faces(self, fits: Sequence[SolidFit]) -> Table | None:
+        """The table below lit faces on which one of the objects is found, and another one is or stands already."""
+        tops = [blobs for blobs, _ in self.faces]
+        others = [pair for pair in self.pairs if not any(pair[0] is left for left, _ in tops)]
+        for table in tables_below(self._level, fits, self.images.maps, self.images.eyes_m):
+            found = [each.fit for each in self._on(table, [*tops, *others][:_TRIED_PAIRS]) if each]
+            standing = [fit for fit in (*fits, *found) if stands_on(table, fit)]
+            if found and len(standing) >= _LEAST:
+                return common_table(standing, self._level) or table
+        return None
+
+    def _verified(self, fits: Sequence[SolidFit]) -> Table | None:
         for table in supposed_tables(fits)[:_TRIED_TABLES]:
             others = [found.fit for found in self._on(table, self.pairs[:_TRIED_PAIRS]) if found]
-            agreed = common_table([*fits, *others]) if others else None
+            agreed = common_table([*fits, *others], self._level) if others else None
             if agreed is not None:
                 return agreed
         return None
@@ -90,7 +119,7 @@ class SecondLook:
 
         A part of a solid is supported where it shares the whole one's edges: what stands on the table and has as much
         support is the whole. What hangs in the air where one of its kind could also stand, on edges that need no
-        excuse, is that one; after that it must have a body of its own.
+        excuse, is that one; after that it must have a body of its own. What cannot be there at all is the other one.
         """
         fit = where.fit
         if fit is None:
@@ -102,6 +131,8 @@ class SecondLook:
             return by_supported(self.images.rig, on_it)
         if stands_on(table, fit) or (hangs and not is_flat(fit, TOP)):
             return where
+        if on_it is not None and on_it.is_exact:
+            return by_supported(self.images.rig, on_it)
         return replace(where, fit=None, reason="off_table")
 
     def _in_the_air(self, fits: Sequence[SolidFit | None]) -> list[Supported | None]:

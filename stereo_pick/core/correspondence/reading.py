@@ -20,6 +20,8 @@ from stereo_pick.core.shapes.table import Table
 
 _PLAIN_SIGMA_PX = 0.3  # of a centroid of whole pixels: shading moves its edges along whole arcs
 
+_FADES = 0.15  # part of the outline, at least, of a ball's lit top that fades; a flat one's does not
+
 
 @dataclass(frozen=True, eq=False)
 class FirstLook:
@@ -99,7 +101,9 @@ class Reader:
 
     def _second_look(self, first: FirstLook) -> SecondLook:
         pairs = lit_parts(*first.left_over(), self.similarity.disparities_px)
-        return SecondLook(self.images, pairs, self.flat_parts)
+        flat = [(blobs, where.fit) for blobs, where in first.lost if where.fit is not None and where.reason == "flat"]
+        faces = [(blobs, fit) for blobs, fit in flat if max(blob.fading for blob in blobs) < _FADES]
+        return SecondLook(self.images, pairs, faces, self.flat_parts)
 
     def _paired(self, left: Sequence[Blob], right: Sequence[Blob]) -> tuple[list[BlobPair], list[BlobPair]]:
         """The pairs of objects that belong together, and those that might as well be paired otherwise."""

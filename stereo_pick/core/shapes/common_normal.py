@@ -16,33 +16,44 @@ BASE = 0.1  # of the solids' size, within which they stand on one table
 _LEAD = 1.0  # votes by which the normal must lead before any other direction
 
 
-def common_normal(fits: Sequence[SolidFit | None]) -> Floats | None:
+def common_normal(fits: Sequence[SolidFit | None], faces: Sequence[SolidFit] = ()) -> Floats | None:
     """The direction (3,) towards the cameras in which the solids stand, rectified left frame; None where unclear.
 
     A cylinder or a hexagonal prism stands or lies, a box stands on a face: each votes for the directions in which its
-    axes allow that. Each solid votes again where its lowest point is as low as the others'. One object alone decides
-    nothing: nobody can tell a standing cylinder from a lying one by itself.
+    axes allow that. Each solid votes again where its lowest point is as low as the others'. Thin solids that are the
+    lit faces of something vote for being level. One object alone decides nothing: nobody can tell a standing cylinder
+    from a lying one by itself.
     """
     solids = [fit for fit in fits if fit is not None]
     turned = [fit for fit in solids if fit.kind != SPHERE.name]
-    if len(turned) < 2:
+    if not solids or len(turned) + len(faces) < 2:
         return None
-    candidates = _candidates(turned)
+    level = [across(face) for face in faces]
+    candidates = np.array([*_candidates(turned), *level])
     votes = _orientation_votes(candidates, turned) + [_base_votes(each, solids) for each in candidates]
+    for normal in level:
+        votes += _vote_of(np.linalg.norm(np.cross(candidates, normal), axis=1))
     best = candidates[votes.argmax()]
     others = votes[np.abs(candidates @ best) < np.cos(np.deg2rad(12))]
-    if votes.max() < 0.5 * (len(turned) + len(solids)) or (len(others) and others.max() > votes.max() - _LEAD):
+    least = 0.5 * (len(turned) + len(solids) + len(faces))
+    if votes.max() < least or (len(others) and others.max() > votes.max() - _LEAD):
         return None
-    return _towards_cameras(_mean(best, turned), solids)
+    return _towards_cameras(_mean(best, turned, level), solids)
 
 
-def _candidates(turned: Sequence[SolidFit]) -> Floats:
-    """All axes, and the directions across two that differ: (C, 3), unit."""
+def across(face: SolidFit) -> Floats:
+    """The direction (3,) across a thin solid, towards the cameras."""
+    thin = face.rotation[:, int(face.size_m.argmin())]
+    return np.asarray(-thin * np.sign(thin @ face.centre_m))
+
+
+def _candidates(turned: Sequence[SolidFit]) -> list[Floats]:
+    """All axes (3,), and the directions across two that differ: unit vectors."""
     axes = [axis for fit in turned for axis in standing_axes(fit)]
     own = [fit.rotation[:, 2] for fit in turned if fit.kind != BOX.name]
-    across = [np.cross(one, other) for one, other in combinations(own, 2)]
-    axes += [each / np.linalg.norm(each) for each in across if np.linalg.norm(each) > 0.35]
-    return np.array(axes)
+    beside = [np.cross(one, other) for one, other in combinations(own, 2)]
+    axes += [each / np.linalg.norm(each) for each in beside if np.linalg.norm(each) > 0.35]
+    return axes
 
 
 def standing_axes(fit: SolidFit) -> list[Floats]:
@@ -58,8 +69,13 @@ def _orientation_votes(normals: Floats, turned: Sequence[SolidFit]) -> Floats:
         off = np.sqrt(np.maximum(1 - along.max(axis=1) ** 2, 0))
         if fit.kind != BOX.name:
             off = np.minimum(off, along[:, 0])
-        votes += np.maximum(1 - (off / ANGLE) ** 2, 0)
+        votes += _vote_of(off)
     return votes
+
+
+def _vote_of(sine: Floats) -> Floats:
+    """1 for a direction (N,) that fits, 0 for one that is off by the tolerance."""
+    return np.asarray(np.maximum(1 - (sine / ANGLE) ** 2, 0))
 
 
 def is_upright(normal: Floats, fit: SolidFit) -> bool:
@@ -108,11 +124,15 @@ def _towards_cameras(normal: Floats, solids: Sequence[SolidFit]) -> Floats:
     return -normal if away else normal
 
 
-def _mean(normal: Floats, turned: Sequence[SolidFit]) -> Floats:
-    """The direction nearest to the standing axes and furthest from the lying ones, of the solids that agree."""
+def _mean(normal: Floats, turned: Sequence[SolidFit], level: Sequence[Floats]) -> Floats:
+    """The direction nearest to the standing axes and furthest from the lying ones, of the solids that agree, and
+    nearest to what is across level faces."""
     spread = np.zeros((3, 3))
     for fit in turned:
         upright = max(standing_axes(fit), key=lambda axis: abs(float(axis @ normal)))
         if min(_standing(normal, fit), _lying(normal, fit)) < ANGLE:
             spread += np.outer(upright, upright) * (1 if _standing(normal, fit) < ANGLE else -1)
+    for each in level:
+        if np.linalg.norm(np.cross(each, normal)) < ANGLE:
+            spread += np.outer(each, each)
     return np.asarray(np.linalg.eigh(spread)[1][:, -1])

@@ -31,13 +31,13 @@ _SURELY = 3.0  # sigmas
 _SUPPOSED_SIGMA_M = 0.001
 
 
-def common_table(fits: Sequence[SolidFit | None]) -> Table | None:
+def common_table(fits: Sequence[SolidFit | None], faces: Sequence[SolidFit] = ()) -> Table | None:
     """The plane that the solids stand on, rectified left frame; None where too few of them agree on one.
 
     The axes say how it is inclined, and so do the lowest points of solids that are far apart: both count as their
-    sigmas allow.
+    sigmas allow. faces: thin solids, lit faces that are level.
     """
-    normal = common_normal(fits)
+    normal = common_normal(fits, faces)
     if normal is None:
         return None
     solids = [fit for fit in fits if fit is not None]

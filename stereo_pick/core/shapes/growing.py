@@ -72,11 +72,12 @@ def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap], table: Table 
     return best.turning_about(table.normal) if table else best.turning_freely()
 
 
-def shown_part(solid: Solids, face: Solids, eyes_m: Floats, views: Sequence[EdgeMap]) -> float:
-    """The part of a solid's silhouette (S = 1) outside that of its face which lies on edges, and of its far end: the
-    least of both views."""
+def shown_parts(solids: Solids, face: Solids, eyes_m: Floats, views: Sequence[EdgeMap]) -> Floats:
+    """The part (S,) of each solid's silhouette outside that of their face (S = 1) which lies on edges, and of its far
+    end: the least of both views."""
     old = silhouettes(face, eyes_m)[0]
-    return min(float(_shown(solid, old[i], eyes_m[i : i + 1], view, _ALL)[0][0]) for i, view in enumerate(views))
+    seen = [_shown(solids, old[i], eyes_m[i : i + 1], view, _ALL)[0] for i, view in enumerate(views)]
+    return np.asarray(np.min(seen, axis=0))
 
 
 def _shown(solids: Solids, old: Floats, eye_m: Floats, view: EdgeMap, look: _Look) -> tuple[Floats, Floats]:

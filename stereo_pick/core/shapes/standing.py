@@ -13,7 +13,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
-from stereo_pick.core.shapes.growing import shown_part
+from stereo_pick.core.shapes.growing import shown_parts
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
 from stereo_pick.core.shapes.shared_face import shared_face
@@ -51,7 +51,7 @@ def _below_face(images: Images, pair: Pair, table: Table) -> Supported | None:
 
 
 def _shows_foot(images: Images, body: Supported, top: Solids) -> bool:
-    return shown_part(body.fit.solid, top, images.eyes_m, images.maps) > _FOOT
+    return float(shown_parts(body.fit.solid, top, images.eyes_m, images.maps)[0]) > _FOOT
 
 
 def standing_alike(
