@@ -10,6 +10,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.certainty import sigma_of_width
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
+from stereo_pick.core.correspondence.grain import grained_table
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.other_polarity import joined
@@ -24,7 +25,8 @@ from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.focus import lens_blur_px
 from stereo_pick.core.params import parameter
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes import common_normal
+from stereo_pick.core.shapes import SolidFit, common_normal
+from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.table import FOUND, NONE, Table
@@ -67,9 +69,9 @@ class Feature(Method):
     )
     table: str = parameter(
         FOUND,
-        "What the objects stand on: `found` from those that are seen best; `none` where they may stand or hang "
-        "anywhere; or the plane itself, as its normal towards the cameras and its offset, `nx ny nz d`: the points "
-        "p [m] in the rectified left camera frame with n p + d = 0.",
+        "What the objects stand on: `found` by its own grain, or from the objects that are seen best; `none` where "
+        "they may stand or hang anywhere; or the plane itself, as its normal towards the cameras and its offset, "
+        "`nx ny nz d`: the points p [m] in the rectified left camera frame with n p + d = 0.",
     )
     max_sigma_of_width: float = parameter(
         0.5,
@@ -95,6 +97,15 @@ class Feature(Method):
     def _given_table(self) -> Table | None:
         return None if self.table in (FOUND, NONE) else Table.parsed(self.table)
 
+    def _known_table(self, pair: RectifiedPair, blobs: Blobs, fits: list[SolidFit]) -> Table | None:
+        """The table that is given, or seen by its grain; but what no object stands on is the floor beyond a table."""
+        if self.table != FOUND:
+            return self._given_table()
+        table = grained_table(pair, blobs, self.disparities_px(pair.rig))
+        if table is None or (fits and not any(stands_on(table, fit) for fit in fits)):
+            return None
+        return table
+
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         """Return the centres of matched objects, left to right in the left view."""
         reader = Reader(_images(pair, blobs), self.similarity(pair.rig), self.ambiguity_margin, self.flat_parts)
@@ -102,26 +113,26 @@ class Feature(Method):
             first, others = reader.look_at(blobs, _by_area(blobs), []), None
         else:
             first, others = reader.look(blobs), reader.look(blobs.others) if blobs.others else None
-        table = self._given_table()
-        if self.table == FOUND:
-            table = reader.table(first, others.kept if others else [])
+        also = others.kept if others else []
+        table = known = self._known_table(pair, blobs, [where.fit for _, where in (*first.kept, *also) if where.fit])
+        if table is None and self.table == FOUND:
+            table = reader.table(first, also)
         found = reader.read(first, table)
         if others is not None:
             besides = reader.read(others, table)
             bright, dark = (found, besides) if blobs.polarity == "bright" else (besides, found)
             found = joined(bright, dark, found, pair.rig)
-        return self._collected(reader.images, found)
+        return self._collected(reader.images, found, known is not None)
 
-    def _collected(self, images: Images, found: Reading) -> Correspondences:
+    def _collected(self, images: Images, found: Reading, is_known: bool) -> Correspondences:
         rig = images.rig
-        together = adjusted_together(images, found.kept, found.table, self.table not in (FOUND, NONE))
+        together = adjusted_together(images, found.kept, found.table, is_known, self.flat_parts)
         table = together.table
         normal = table.normal if table else common_normal([where.fit for _, where in together.kept])
         kept, unknown = self._of_known_reference(together.kept, normal)
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
         sure = [row for row in kept if sigma_of_width(*row, rig) <= most]
-        unread = found.unread + [Unread("no_solid", *each) for each, _ in unknown]
-        unread += [Unread("other_shape", *each) for each, _ in together.unlike]
+        unread = found.unread + together.refused + [Unread("no_solid", *each) for each, _ in unknown]
         unread += [Unread("uncertain", *row[0]) for row in kept if row not in sure]
         sure.sort(key=lambda row: float(row[1].left_px[0]))
         matches = [self._match(rig, left, where, normal) for (left, _), where in sure]

@@ -11,15 +11,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.located import trusted_outlines
-from stereo_pick.core.correspondence.position import Row, by_adjusted, by_supported, with_dark_ends
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
+from stereo_pick.core.correspondence.position import BlobPair, Row, by_adjusted, by_supported, with_dark_ends
+from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes import centroid_px
 from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
+from stereo_pick.core.shapes.predicted import inside, silhouettes
+from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
@@ -28,35 +34,41 @@ _WELL_SHOWN = 0.92  # of its silhouette, all but its corners, with which it is o
 _ROUND_SHOWN = 0.75  # ... or a cylinder: a tube may be black to its rim
 _DOUBT = 0.05  # ... by one sigma of this part of its size
 _HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
+_BEYOND = 0.05  # of an outline, sharp and clear of the solid, from which the object is more than that ...
+_CLEAR_PX = 3.0  # ... by so much
 _ASTRAY_PX = 0.3  # from its edges, where a solid is not what they show: it says nothing about the table
 
 
 @dataclass(frozen=True, eq=False)
 class Together:
-    """kept: the objects, where they are; unlike: those that are not what their outlines seem to be; table: what they
-    stand on, as far as that is known."""
+    """kept: the objects, where they are; refused: those that are not what their outlines seem to be, or flat after all;
+    table: what they stand on, as far as that is known."""
 
     kept: list[Row]
-    unlike: list[Row]
+    refused: list[Unread]
     table: Table | None
 
 
-def adjusted_together(images: Images, rows: Sequence[Row], table: Table | None, known: bool) -> Together:
+def adjusted_together(
+    images: Images, rows: Sequence[Row], table: Table | None, known: bool, flat_parts: bool
+) -> Together:
     """The objects where all edges together put them that solids explain, and the others as they are.
 
-    known: whether the table was given.
+    known: whether the table is known without them; flat_parts: whether parts may be flat.
     """
     whole = [(blobs, with_dark_ends(images.rig, blobs, where)) for blobs, where in rows]
     rest, solids = [row for row in whole if not row[1].fit], [row for row in whole if row[1].fit]
     found, common = _adjusted(images, solids, table, known)
-    others = [_reconsidered(images, row, each, common) for row, each in zip(solids, found)]
+    others = [_reconsidered(images, row, each, table) for row, each in zip(solids, found)]  # those adjusted it, too
     unlike = [row for row, other in zip(solids, others) if other is None]
     astray = [row for row, other, each in zip(solids, others, found) if other is row and _is_astray(each)]
     sound = [other for other in others if other is not None and other not in astray]
     if sound != solids:
         found, common = _adjusted(images, sound, table, known)
     placed = [row if _is_astray(each) else _placed(images, row, each, common) for row, each in zip(sound, found)]
-    return Together(rest + astray + placed, unlike, common)
+    flat = [] if flat_parts else [row for row in placed if _is_flat_after_all(row, common)]
+    refused = [Unread("other_shape", *blobs) for blobs, _ in unlike] + [Unread("flat", *blobs) for blobs, _ in flat]
+    return Together(rest + astray + [row for row in placed if row not in flat], refused, common)
 
 
 def _adjusted(
@@ -72,6 +84,8 @@ def _is_astray(found: Adjusted) -> bool:
 
 def _reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
     """The same, or what the object is if it is no prism; None where that is open."""
+    if found.fit.kind == CYLINDER.name and _is_astray(found):
+        return None
     if found.creased >= _CREASED:
         return row
     if not isinstance(KINDS[found.fit.kind], Prism):
@@ -79,10 +93,20 @@ def _reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None
     return _as_cylinder(images, row, table) or (row if found.shown > _WELL_SHOWN else None)
 
 
+def _is_flat_after_all(row: Row, table: Table | None) -> bool:
+    """Whether a solid has become so thin that it may be a print, or, where it is not seen to stand, a lit top."""
+    fit = row[1].fit
+    if fit is None:
+        return False
+    return is_flat(fit) if table is not None and stands_on(table, fit) else is_flat(fit, TOP)
+
+
 def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row:
     """Where the solid is; where many of its creases do not show, it may be longer or shorter than it seems."""
     (blobs, where), fit = row, found.fit
     doubt = where.doubt + (_as_if_it_stood(fit, table, images.rig) if table else 0.0)
+    if _goes_on_beyond(blobs, fit, images):
+        doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
     if found.creased < _WELL_CREASED and (isinstance(KINDS[fit.kind], Prism) or found.shown < _WELL_SHOWN):
         doubt = doubt + _of_size(fit)
     return blobs, by_adjusted(images.rig, where, fit, doubt)
@@ -100,6 +124,28 @@ def _as_if_it_stood(fit: SolidFit, table: Table, rig: StereoRig) -> Floats:
     ahead = fit.centre_m - rig.eyes_m.mean(axis=0)
     down_m = -ahead * height_m / float(table.normal @ ahead)
     return np.outer(down_m, down_m) / 4 + _of_size(fit)
+
+
+def _goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
+    """Whether the object seems to be more than the solid: an outline has edges clear of its silhouette."""
+    polygons = silhouettes(fit.solid, images.eyes_m)[0]
+    cameras = images.rig.left, images.rig.right
+    return any(_share_beyond(*each) > _BEYOND for each in zip(blobs, cameras, polygons))
+
+
+def _share_beyond(blob: Blob, camera: Camera, polygon: Floats) -> float:
+    """The part of an outline that is sharp and lies clear of a silhouette (K, 2), normalized."""
+    inside_px = inside(normalized(blob.contour_px, camera)[None], polygon[None])[0] * camera.P[0, 0]
+    return float(((inside_px < -_CLEAR_PX) & (blob.sharpness >= SHARP)).mean())
+
+
+def _off_its_outlines(blobs: BlobPair, fit: SolidFit, rig: StereoRig) -> Floats:
+    """Covariance (3, 3) [m²] of the centre of what may have that of its outlines as well as the solid's."""
+    per_px = float(fit.centre_m[2]) / rig.focal_px
+    cameras = rig.left, rig.right
+    expected = [fit.centre_px(camera) - fit.perspective_shift_px(camera) for camera in cameras]
+    off_px = [centroid_px(blob.contour_px, camera) - px for blob, camera, px in zip(blobs, cameras, expected)]
+    return np.asarray((max(np.linalg.norm(off) for off in off_px) * per_px) ** 2 * np.eye(3))
 
 
 def _of_size(fit: SolidFit) -> Floats:
