@@ -111,10 +111,10 @@ class Graph:
             self._executor.spin_once(timeout_sec=0.05)
         return value
 
-    def spin(self, seconds: float) -> None:
-        """Handle what comes within this time: for showing that something does not come."""
+    def spin(self, seconds: float, until: Callable[[], Any] = lambda: False) -> None:
+        """Handle what comes within this time, or until something holds: for showing that something does not come."""
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        while time.monotonic() < end and not until():
             self._executor.spin_once(timeout_sec=0.02)
 
     def statuses(self) -> dict[str, tuple[bytes, str]]:

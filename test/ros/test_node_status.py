@@ -83,13 +83,14 @@ class Cameras:
         """Send again and again until the condition holds: images are best effort, and the first find no listener.
 
         Where one callback takes longer than a turn, on a busy machine, the others get their time before more is sent.
+        A status may not last: it is looked at all the while.
         """
 
         def holds() -> Any:
             send()
             began = time.monotonic()
-            self._graph.spin(0.2)
-            self._graph.spin(5 * (time.monotonic() - began - 0.2))
+            self._graph.spin(0.2, condition)
+            self._graph.spin(5 * (time.monotonic() - began - 0.2), condition)
             return condition()
 
         return self._graph.wait(holds, what)
