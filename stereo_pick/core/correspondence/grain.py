@@ -15,8 +15,10 @@ from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_px
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.frames import RectifiedPair
-from stereo_pick.core.objects import Blob, Blobs
+from stereo_pick.core.objects import Blobs
+from stereo_pick.core.objects.edge_model import vertex
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.table import EDGE_ON, Table
 
 _WIDTH_PX = 320  # of the reduced views
@@ -33,7 +35,7 @@ _COVERED = 0.25  # of all windows of the view, that must
 _ASKED_FIRST, _WORTH_IT = 24, 0.5  # windows, and how many of them must be found, before all are looked for
 _SIGMA = 0.3  # of the plane, as a part of how far windows lie off it ...
 _LOCKED_PX = 0.05  # ... and by which all of them may be drawn towards whole pixels of the reduced view
-_CLEAR_PX = 4  # around objects
+_CLEAR_PX = 2  # of the reduced view, around objects
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +52,12 @@ def grained_table(pair: RectifiedPair, blobs: Blobs, disparities_px: tuple[float
     disparities_px: the least and the greatest of the view.
     """
     scale = min(1.0, _WIDTH_PX / pair.left.shape[1])
-    left, right = (_reduced(image, scale) for image in (pair.left, pair.right))
-    places = _grained(left, _clear(blobs, pair.left.shape, left.shape))
+    left = _reduced(pair.left, scale)
+    places = _grained(left, _clear(blobs, left, scale))
     least = _COVERED * (left.shape[0] // _STRIDE_PX) * (left.shape[1] // _STRIDE_PX)
     if len(places) < least:
         return None
+    right = _reduced(pair.right, scale)
     reach = scale * disparities_px[0], scale * disparities_px[1]
     few = places[:: max(1, len(places) // _ASKED_FIRST)]
     if len(_matches(left, right, few, *reach).disparity_px) < _WORTH_IT * len(few):
@@ -75,15 +78,14 @@ def _reduced(image: Image, scale: float) -> Grey:
     return np.asarray(cv2.resize(image.astype(np.float32), size, interpolation=cv2.INTER_AREA), np.float32)
 
 
-def _clear(blobs: Blobs, shape: tuple[int, ...], reduced: tuple[int, ...]) -> Bools:
+def _clear(blobs: Blobs, left: Grey, scale: float) -> Bools:
     """Which pixels (h, w) of the reduced left view are at the middle of windows without objects."""
-    objects = np.zeros(shape, np.uint8)
-    every: list[Blob] = [*blobs.left, *(blobs.others.left if blobs.others else ())]
-    for blob in every:
-        cv2.fillPoly(objects, [np.round(blob.contour_px).astype(np.int32)], 1)
-    grown = cv2.dilate(objects, np.ones((2 * _CLEAR_PX + 1,) * 2, np.uint8))
-    covered = cv2.resize(grown, reduced[::-1], interpolation=cv2.INTER_AREA)
-    return np.asarray(cv2.dilate(covered, np.ones((_HIGH_PX, _WIDE_PX), np.uint8)) == 0)
+    objects = np.zeros(left.shape, np.uint8)
+    for blob in (*blobs.left, *(blobs.others.left if blobs.others else ())):
+        contour = np.round((blob.contour_px + 0.5) * scale - 0.5).astype(np.int32)
+        cv2.drawContours(objects, [contour], -1, 1, cv2.FILLED)
+    around = np.ones((_HIGH_PX + 2 * _CLEAR_PX, _WIDE_PX + 2 * _CLEAR_PX), np.uint8)
+    return np.asarray(cv2.dilate(objects, around) == 0)
 
 
 def _grained(left: Grey, clear: Bools) -> Ints:
@@ -118,8 +120,7 @@ def _only_peak(likeness: Grey) -> float | None:
     second = float(others.max()) if len(others) else -1.0
     if not 0 < best < len(likeness) - 1 or likeness[best] < max(_ALIKE, second + _LEAD):
         return None
-    before, peak, after = (float(each) for each in likeness[best - 1 : best + 2])
-    return best + (before - after) / (2 * (before - 2 * peak + after))
+    return best + float(vertex(*-likeness[best - 1 : best + 2, None].astype(np.float64))[0])
 
 
 def _common_plane(windows: _Windows) -> tuple[Floats, Bools]:
@@ -153,7 +154,5 @@ def _as_table(plane: Floats, rig: StereoRig, scale: float, middle_px: Floats, si
     if normal[2] > -EDGE_ON:
         return None
     offset_m = rig.focal_px * rig.baseline_m / length
-    ray = np.array([*((middle_px / scale - left[:2, 2]) / left[[0, 1], [0, 1]]), 1.0])
-    depth_m = -offset_m / float(normal @ ray)
-    sigma_m = sigma_px * depth_m**2 / (rig.focal_px * rig.baseline_m) * abs(float(normal @ ray))
-    return Table(normal, offset_m, sigma_m)
+    depth_m = -offset_m / float(normal @ np.append(normalized(middle_px / scale, rig.left), 1.0))
+    return Table(normal, offset_m, sigma_px * depth_m * offset_m / (rig.focal_px * rig.baseline_m))

@@ -52,12 +52,11 @@ def by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Locate
     solid, which leaves out such pieces, decides.
     """
     cameras = rig.left, rig.right
-    left_px, right_px = (centroid_px(blob.contour_px, camera) for blob, camera in zip(blobs, cameras))
+    left_px, right_px = centres_by_outlines_px(rig, blobs, fit)
     length_px = min(len(blob.contour_px) for blob in blobs)  # a point each pixel
     rougher = max(1.0, fit.residual_px / USUAL_PX) if fit is not None else 1.0
     variance = (_ARC_SIGMA_PX * rougher) ** 2 * ARC_PX / length_px
     if fit is not None:
-        left_px, right_px = left_px + fit.perspective_shift_px(rig.left), right_px + fit.perspective_shift_px(rig.right)
         own = [fit.centre_px(camera) for camera in cameras]
         off_px = max(float(np.linalg.norm(place - seen)) for place, seen in zip(own, (left_px, right_px)))
         if off_px > _DISAGREE * np.sqrt(variance):
@@ -66,6 +65,15 @@ def by_outlines(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> Locate
         variance += (_UNKNOWN_SHAPE * max(blob.rectangle[0] for blob in blobs)) ** 2
     variance += float(left_px[1] - right_px[1]) ** 2 / 2
     return Located(left_px, right_px, float(np.sqrt(variance)), fit)
+
+
+def centres_by_outlines_px(rig: StereoRig, blobs: BlobPair, fit: SolidFit | None) -> tuple[Floats, Floats]:
+    """The solid-angle centroids (2,) of the outlines in both views, moved to the centre's image as far as a solid says
+    by how much."""
+    left_px, right_px = (centroid_px(blob.contour_px, camera) for blob, camera in zip(blobs, (rig.left, rig.right)))
+    if fit is None:
+        return left_px, right_px
+    return left_px + fit.perspective_shift_px(rig.left), right_px + fit.perspective_shift_px(rig.right)
 
 
 def by_stretched(rig: StereoRig, fit: SolidFit, longer: Supported) -> Located:

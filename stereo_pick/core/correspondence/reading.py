@@ -19,7 +19,6 @@ from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.table import Table
 
 _PLAIN_SIGMA_PX = 0.3  # of a centroid of whole pixels: shading moves its edges along whole arcs
-
 _FADES = 0.15  # part of the outline, at least, of a ball's lit top that fades; a flat one's does not
 
 

@@ -14,11 +14,17 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
-from stereo_pick.core.correspondence.position import BlobPair, Row, by_adjusted, by_supported, with_dark_ends
+from stereo_pick.core.correspondence.position import (
+    BlobPair,
+    Row,
+    by_adjusted,
+    by_supported,
+    centres_by_outlines_px,
+    with_dark_ends,
+)
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes import centroid_px
 from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
@@ -59,7 +65,8 @@ def adjusted_together(
     whole = [(blobs, with_dark_ends(images.rig, blobs, where)) for blobs, where in rows]
     rest, solids = [row for row in whole if not row[1].fit], [row for row in whole if row[1].fit]
     found, common = _adjusted(images, solids, table, known)
-    others = [_reconsidered(images, row, each, table) for row, each in zip(solids, found)]  # those adjusted it, too
+    # on the table as it was: what is mistaken has its part in how it is now
+    others = [_reconsidered(images, row, each, table) for row, each in zip(solids, found)]
     unlike = [row for row, other in zip(solids, others) if other is None]
     astray = [row for row, other, each in zip(solids, others, found) if other is row and _is_astray(each)]
     sound = [other for other in others if other is not None and other not in astray]
@@ -142,10 +149,9 @@ def _share_beyond(blob: Blob, camera: Camera, polygon: Floats) -> float:
 def _off_its_outlines(blobs: BlobPair, fit: SolidFit, rig: StereoRig) -> Floats:
     """Covariance (3, 3) [m²] of the centre of what may have that of its outlines as well as the solid's."""
     per_px = float(fit.centre_m[2]) / rig.focal_px
-    cameras = rig.left, rig.right
-    expected = [fit.centre_px(camera) - fit.perspective_shift_px(camera) for camera in cameras]
-    off_px = [centroid_px(blob.contour_px, camera) - px for blob, camera, px in zip(blobs, cameras, expected)]
-    return np.asarray((max(np.linalg.norm(off) for off in off_px) * per_px) ** 2 * np.eye(3))
+    own = fit.centre_px(rig.left), fit.centre_px(rig.right)
+    off_px = [np.linalg.norm(seen - px) for seen, px in zip(centres_by_outlines_px(rig, blobs, fit), own)]
+    return np.asarray((max(off_px) * per_px) ** 2 * np.eye(3))
 
 
 def _of_size(fit: SolidFit) -> Floats:

@@ -12,6 +12,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.common_normal import ANGLE, across, lowest_m
+from stereo_pick.core.shapes.common_table import SUPPOSED_SIGMA_M
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.growing import shown_parts
 from stereo_pick.core.shapes.kinds import BOX
@@ -24,7 +25,7 @@ _SHORTEST, _TALLEST = 0.15, 2.0  # height of a body by length of its top
 _SHOWN = 0.5  # part of what a body has below its top, from which on it counts that it lies on edges
 _LEVELS = 3  # that are worth trying
 _APART = 3  # steps between two of these
-_SUPPOSED_SIGMA_M = 0.001
+_ALIKE = np.sqrt(1 - ANGLE**2)  # cosine of the angle by which faces that are level may differ
 
 
 def tables_below(
@@ -39,7 +40,7 @@ def tables_below(
     normal = _common_normal(sheets)
     if normal is None:
         return []
-    level = [face for face in sheets if across(face) @ normal > np.sqrt(1 - ANGLE**2)]
+    level = [face for face in sheets if across(face) @ normal > _ALIKE]
     step_m = _STEP_PX * float(np.mean([face.centre_m[2] for face in level])) / views[0].camera.P[0, 0]
     bases_m = lowest_m(normal, bodies)
     levels_m = np.concatenate([_levels_m(level, normal, step_m), bases_m])
@@ -48,7 +49,7 @@ def tables_below(
         below = _down_to(face, normal, face.centre_m @ normal - levels_m)
         votes += np.maximum(shown_parts(below, face.solid, eyes_m, views) - _SHOWN, 0)
     votes[len(votes) - len(bases_m) :] += _SHOWN
-    return [Table(normal, -each, _SUPPOSED_SIGMA_M) for each in _best(levels_m, votes, _APART * step_m)]
+    return [Table(normal, -each, SUPPOSED_SIGMA_M) for each in _best(levels_m, votes, _APART * step_m)]
 
 
 def _common_normal(faces: Sequence[SolidFit]) -> Floats | None:
@@ -58,7 +59,7 @@ def _common_normal(faces: Sequence[SolidFit]) -> Floats | None:
         return None
     normals = np.array([across(face) for face in seen])
     weights = np.array([float(np.median(face.size_m)) ** 2 for face in seen])
-    alike = normals @ normals.T > np.sqrt(1 - ANGLE**2)
+    alike = normals @ normals.T > _ALIKE
     best = alike[int((alike @ weights).argmax())]
     mean = weights[best] @ normals[best]
     return np.asarray(mean / np.linalg.norm(mean))

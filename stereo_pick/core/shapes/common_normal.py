@@ -32,7 +32,7 @@ def common_normal(fits: Sequence[SolidFit | None], faces: Sequence[SolidFit] = (
     candidates = np.array([*_candidates(turned), *level])
     votes = _orientation_votes(candidates, turned) + [_base_votes(each, solids) for each in candidates]
     for normal in level:
-        votes += _vote_of(np.linalg.norm(np.cross(candidates, normal), axis=1))
+        votes += _vote(np.linalg.norm(np.cross(candidates, normal), axis=1) / ANGLE)
     best = candidates[votes.argmax()]
     others = votes[np.abs(candidates @ best) < np.cos(np.deg2rad(12))]
     least = 0.5 * (len(turned) + len(solids) + len(faces))
@@ -69,13 +69,8 @@ def _orientation_votes(normals: Floats, turned: Sequence[SolidFit]) -> Floats:
         off = np.sqrt(np.maximum(1 - along.max(axis=1) ** 2, 0))
         if fit.kind != BOX.name:
             off = np.minimum(off, along[:, 0])
-        votes += _vote_of(off)
+        votes += _vote(off / ANGLE)
     return votes
-
-
-def _vote_of(sine: Floats) -> Floats:
-    """1 for a direction (N,) that fits, 0 for one that is off by the tolerance."""
-    return np.asarray(np.maximum(1 - (sine / ANGLE) ** 2, 0))
 
 
 def is_upright(normal: Floats, fit: SolidFit) -> bool:
@@ -96,7 +91,7 @@ def _lying(normal: Floats, fit: SolidFit) -> float:
 
 def _base_votes(normal: Floats, solids: Sequence[SolidFit]) -> float:
     base_m = lowest_m(_towards_cameras(normal, solids), solids)
-    return sum(_vote(each) for each in _off_common_base(base_m, solids))
+    return float(_vote(_off_common_base(base_m, solids)).sum())
 
 
 def lowest_m(normal: Floats, solids: Sequence[SolidFit]) -> Floats:
@@ -114,9 +109,9 @@ def _off_common_base(base_m: Floats, solids: Sequence[SolidFit]) -> Floats:
     return np.abs(base_m - np.median(base_m)) / (BASE * size_m)
 
 
-def _vote(off: float) -> float:
-    """1 for what is exactly so, 0 for what is off by the tolerance."""
-    return max(0.0, 1.0 - off * off)
+def _vote(off: Floats) -> Floats:
+    """1 for what is exactly so, 0 for what is off (N,) by the tolerance, 1, and more."""
+    return np.asarray(np.maximum(1 - off**2, 0))
 
 
 def _towards_cameras(normal: Floats, solids: Sequence[SolidFit]) -> Floats:

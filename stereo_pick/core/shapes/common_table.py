@@ -28,7 +28,7 @@ _THIN = 0.2  # height by length of what may be the top of a body only
 _STEEP = np.sin(np.deg2rad(25))  # of the least angle at which a table is looked at
 _STANDS = 0.7  # cosine
 _SURELY = 3.0  # sigmas
-_SUPPOSED_SIGMA_M = 0.001
+SUPPOSED_SIGMA_M = 0.001
 
 
 def common_table(fits: Sequence[SolidFit | None], faces: Sequence[SolidFit] = ()) -> Table | None:
@@ -73,7 +73,7 @@ def supposed_tables(fits: Sequence[SolidFit | None]) -> list[Table]:
     cylinders, balls = ([fit for fit in bodies if fit.kind == kind.name] for kind in (CYLINDER, SPHERE))
     supposed += [(normal, lying) for lying in cylinders for ball in balls for normal in _under_both(lying, ball)]
     return [
-        Table(up, -float(lowest_m(up, [fit])[0]), _SUPPOSED_SIGMA_M)
+        Table(up, -float(lowest_m(up, [fit])[0]), SUPPOSED_SIGMA_M)
         for up, fit in supposed
         if -up @ fit.centre_m > _STEEP * np.linalg.norm(fit.centre_m)
     ]
