@@ -2,10 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from stereo_pick.core.correspondence.position import BlobPair, Located
+from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.more_of_it import as_unsure_as_whole
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.rig import StereoRig
+
+
+def told_apart(
+    rows: Sequence[Row], refused: Sequence[Unread], rig: StereoRig, most: float
+) -> tuple[list[Row], list[Unread]]:
+    """Those known well enough, and the others; most: one sigma of an object's depth, as a part of its width.
+
+    refused: what may be more of the objects, as may be those that are not known well enough themselves.
+    """
+    sure, unsure = _by_sigma(rows, rig, most)
+    still, less = _by_sigma(as_unsure_as_whole(sure, [*refused, *unsure], rig), rig, most)
+    return still, unsure + less
+
+
+def _by_sigma(rows: Sequence[Row], rig: StereoRig, most: float) -> tuple[list[Row], list[Unread]]:
+    sure = [row for row in rows if sigma_of_width(*row, rig) <= most]
+    return sure, [Unread("uncertain", *row[0]) for row in rows if row not in sure]
 
 
 def sigma_of_width(blobs: BlobPair, where: Located, rig: StereoRig) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.certainty import sigma_of_width
+from stereo_pick.core.correspondence.certainty import told_apart
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.grain import grained_table
@@ -131,12 +131,11 @@ class Feature(Method):
         normal = table.normal if table else common_normal([where.fit for _, where in together.kept])
         kept, unknown = self._of_known_reference(together.kept, normal)
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
-        sure = [row for row in kept if sigma_of_width(*row, rig) <= most]
         unread = found.unread + together.refused + [Unread("no_solid", *each) for each, _ in unknown]
-        unread += [Unread("uncertain", *row[0]) for row in kept if row not in sure]
+        sure, unsure = told_apart(kept, unread, rig, most)
         sure.sort(key=lambda row: float(row[1].left_px[0]))
         matches = [self._match(rig, left, where, normal) for (left, _), where in sure]
-        return collect(matches, [each.refusal for each in unread])
+        return collect(matches, [each.refusal for each in unread + unsure])
 
     def _of_known_reference(self, rows: list[Row], normal: Floats | None) -> tuple[list[Row], list[Row]]:
         """Those of which the reference point is known, and the others."""

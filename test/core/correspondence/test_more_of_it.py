@@ -1,0 +1,70 @@
+"""What touches an object and is refused may be more of the same object."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from outlines import disc
+from rendered_solids import PLACED, RIG, rectified
+from rendering import Box, Cylinder, Scene
+from rigs import RIGS
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.more_of_it import as_unsure_as_whole
+from stereo_pick.core.correspondence.position import Located
+from stereo_pick.core.pipeline import Steps
+from stereo_pick.core.shapes import SolidFit
+
+PARALLEL = RIGS["thesis"]
+BALL = SolidFit("sphere", np.array([0.05, 0.0, 0.9]), np.eye(3), np.full(3, 0.04), 0.1, np.eye(3) * 1e-8)
+PLACES = [BALL.centre_px(camera) for camera in (PARALLEL.left, PARALLEL.right)]
+RADIUS_PX = 0.02 * PARALLEL.focal_px / 0.9
+
+
+def added(away: tuple[float, float], radius: float = 1.0) -> Floats:
+    """Of a ball beside which something round, of so many radii, was refused, so many radii away in each view."""
+    blobs = disc(*PLACES[0], RADIUS_PX), disc(*PLACES[1], RADIUS_PX)
+    others = [disc(x + off * RADIUS_PX, y, radius * RADIUS_PX) for (x, y), off in zip(PLACES, away)]
+    row = blobs, Located(*PLACES, 0.1, BALL)
+    ((_, where),) = as_unsure_as_whole([row], [Unread("merged", *others)], PARALLEL)
+    return where.covariance
+
+
+@pytest.mark.parametrize("radius", [0.5, 1.0, 2.0])
+def test_the_centre_may_be_that_of_both_together(radius: float) -> None:
+    apart_m = (1 + radius) * 0.02 * radius**2 / (1 + radius**2)
+    assert added((1 + radius, 1 + radius), radius) == pytest.approx(apart_m**2 * np.eye(3), rel=0.05)
+
+
+@pytest.mark.parametrize("away", [(2.0, 2.5), (2.5, 2.0), (3.0, 3.0)])
+def test_what_does_not_touch_in_both_views_is_something_else(away: tuple[float, float]) -> None:
+    assert not added(away).any()
+
+
+def test_a_piece_of_what_the_solid_explains_moves_nothing() -> None:
+    assert not added((0.5, 0.5), 0.5).any()
+
+
+@pytest.mark.parametrize("yaw_rad", [0.3, 1.2, 2.1, 2.9])
+@pytest.mark.parametrize("thick_m", [0.008, 0.012])
+def test_an_angle_bracket_is_not_placed_surely_at_one_of_its_flanges(yaw_rad: float, thick_m: float) -> None:
+    """Unless both are found: two boxes that touch look the same."""
+    along, across = np.array([np.cos(yaw_rad), np.sin(yaw_rad)]), 0.04
+    foot, wall = (0.06, across, thick_m), (thick_m, across, 0.04)
+    x, y = (foot[0] + thick_m) / 2 * along
+    bracket = Box(0.0, 0.0, foot, yaw_rad=yaw_rad, albedo=0.7), Box(x, y, wall, yaw_rad=yaw_rad, albedo=0.7)
+    others = Cylinder(-0.09, 0.05, (0.04, 0.04, 0.05), albedo=0.7), Cylinder(0.1, -0.07, (0.04, 0.04, 0.04), albedo=0.7)
+    scene = Scene((*bracket, *others), PLACED, ambient=0.6)
+    _, matches = (steps := Steps(method=Feature())).correspond(rectified(RIG, scene))
+    poses = steps.locate(matches, RIG, 0)
+    centres = scene.positions_m()
+    volumes = np.array([np.prod(each) for each in (foot, wall)])
+    whole = volumes @ centres[:2] / volumes.sum()
+    near = np.linalg.norm(poses.xyz - whole, axis=1) < 0.05
+    if near.sum() == 2:
+        return
+    off = poses.xyz[near] - whole
+    surprise = [each @ np.linalg.solve(spread, each) for each, spread in zip(off, poses.covariance[near])]
+    assert max(surprise, default=0.0) < 16 and len(poses) == 2 + near.sum()
