@@ -42,14 +42,19 @@ class SecondLook:
         """The table that the objects found agree on, with what the edges alone say of the others if need be; or one
         that lit faces or one of the objects let suppose, and on which another object is found, too.
 
-        It is adjusted together with the objects that are surely seen to stand on it.
+        Where something is left to find on it, it is adjusted together with the objects that stand on it.
         """
         fits = [where.fit for _, where in kept if where.fit is not None]
         table = self._agreed(fits)
-        standing = [fit for fit in fits if table is not None and stands_on(table, fit)]
-        if table is None or len(standing) < _LEAST:
+        if table is None or not self._leaves_open(kept, table):
+            return table
+        standing = [fit for fit in fits if stands_on(table, fit)]
+        if len(standing) < _LEAST:
             return table
         return adjusted(standing, self.images.maps, self.images.rig, table, known=True)[1]
+
+    def _leaves_open(self, kept: Sequence[Row], table: Table) -> bool:
+        return len(self.pairs) > 0 or not all(_is_sure(where, table) for _, where in kept)
 
     def _agreed(self, fits: list[SolidFit]) -> Table | None:
         agreed = common_table(fits, self._level)
