@@ -37,7 +37,7 @@ from stereo_pick.core.shapes.table import Table
 
 _CREASED, _WELL_CREASED = 1 / 3, 1 / 2  # of its creases without which an object is no prism, or is in doubt ...
 _WELL_SHOWN = 0.92  # of its silhouette, all but its corners, with which it is one: its faces may be dark, or lit, alike
-_ROUND_SHOWN = 0.75  # ... or a cylinder: a tube may be black to its rim
+_MOST_CREASES, _MOST_SHOWN = 2 / 3, 3 / 4  # without either an object may be anything: a tube may be black to its rim
 _DOUBT = 0.05  # ... by one sigma of this part of its size
 _HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
 _BEYOND = 0.05  # of an outline, sharp and clear of the solid, from which the object is more than that ...
@@ -72,7 +72,9 @@ def adjusted_together(
     sound = [other for other in others if other is not None and other not in astray]
     if sound != solids:
         found, common = _adjusted(images, sound, table, known)
-    placed = [row if _is_astray(each) else _placed(images, row, each, common) for row, each in zip(sound, found)]
+    unlike += [row for row, each in zip(sound, found) if not _is_seen(each)]
+    sure = [(row, each) for row, each in zip(sound, found) if _is_seen(each)]
+    placed = [row if _is_astray(each) else _placed(images, row, each, common) for row, each in sure]
     flat = [] if flat_parts else [row for row in placed if _is_flat_after_all(row, common)]
     refused = [Unread("other_shape", *blobs) for blobs, _ in unlike] + [Unread("flat", *blobs) for blobs, _ in flat]
     return Together(rest + astray + [row for row in placed if row not in flat], refused, common)
@@ -89,14 +91,19 @@ def _is_astray(found: Adjusted) -> bool:
     return found.fit.residual_px > _ASTRAY_PX
 
 
+def _is_seen(found: Adjusted) -> bool:
+    return found.creased >= _MOST_CREASES or found.shown > _MOST_SHOWN
+
+
 def _reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
     """The same, or what the object is if it is no prism; None where that is open."""
     if found.fit.kind == CYLINDER.name and _is_astray(found):
         return None
-    if found.creased >= _CREASED:
+    is_prism = isinstance(KINDS[found.fit.kind], Prism)
+    if _is_seen(found) and (found.creased >= _CREASED or not is_prism):
         return row
-    if not isinstance(KINDS[found.fit.kind], Prism):
-        return row if found.shown > _ROUND_SHOWN else None
+    if not is_prism:
+        return None
     return _as_cylinder(images, row, table) or (row if found.shown > _WELL_SHOWN else None)
 
 

@@ -42,6 +42,14 @@ def test_what_has_not_the_creases_of_a_prism_and_is_no_cylinder_is_refused(famil
     assert max(each.distance_m for each in result.found) < 2e-3 and len(result.ghosts_m) == 0
 
 
+@pytest.mark.parametrize(("family", "seed"), [("glossy", 23), ("light_differences", 11)])
+def test_what_shows_neither_most_of_its_creases_nor_of_its_silhouette_is_refused(family: str, seed: int) -> None:
+    """One of these was a cylinder 10 mm off, the other a box of another length, 7 mm off."""
+    result = found(family, seed)
+    assert result.refused["other_shape"] >= 1 and result.wrong == 0
+    assert len(result.found) >= 4 and len(result.ghosts_m) == 0
+
+
 def test_a_cylinder_that_shows_neither_its_rim_nor_most_of_its_silhouette_is_refused() -> None:
     """Seen through a camera of strong contrast, one of these was 33 mm off."""
     scene = staged("dark_on_light", 8)
