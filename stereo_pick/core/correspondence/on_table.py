@@ -45,7 +45,7 @@ class SecondLook:
         Where something is left to find on it, it is adjusted together with the objects that stand on it.
         """
         fits = [where.fit for _, where in kept if where.fit is not None]
-        table = self._agreed(fits)
+        table = self._agreed(fits, [*(blobs for blobs, where in kept if where.fit is None), *self.pairs])
         if table is None or not self._leaves_open(kept, table):
             return table
         standing = [fit for fit in fits if stands_on(table, fit)]
@@ -56,12 +56,12 @@ class SecondLook:
     def _leaves_open(self, kept: Sequence[Row], table: Table) -> bool:
         return len(self.pairs) > 0 or not all(_is_sure(where, table) for _, where in kept)
 
-    def _agreed(self, fits: list[SolidFit]) -> Table | None:
+    def _agreed(self, fits: list[SolidFit], unknown: Sequence[BlobPair]) -> Table | None:
         agreed = common_table(fits, self._level)
         if agreed is not None:
             return agreed
         fits = fits + self._bodies()
-        return common_table(fits, self._level) or self._below_faces(fits) or self._verified(fits)
+        return common_table(fits, self._level) or self._below_faces(fits) or self._verified(fits, unknown)
 
     @property
     def _level(self) -> list[SolidFit]:
@@ -80,15 +80,15 @@ class SecondLook:
         others = [pair for pair in self.pairs if not any(pair[0] is left for left, _ in tops)]
         for table in tables_below(self._level, fits, self.images.maps, self.images.eyes_m):
             found = [each.fit for each in self._on(table, [*tops, *others][:_TRIED_PAIRS]) if each]
-            standing = [fit for fit in (*fits, *found) if stands_on(table, fit)]
+            standing = [fit for fit in _each_once(found, fits) if stands_on(table, fit)]
             if found and len(standing) >= _LEAST:
                 return common_table(standing, self._level) or table
         return None
 
-    def _verified(self, fits: Sequence[SolidFit]) -> Table | None:
+    def _verified(self, fits: Sequence[SolidFit], unknown: Sequence[BlobPair]) -> Table | None:
         for table in supposed_tables(fits)[:_TRIED_TABLES]:
-            others = [found.fit for found in self._on(table, self.pairs[:_TRIED_PAIRS]) if found]
-            agreed = common_table([*fits, *others], self._level) if others else None
+            others = [found.fit for found in self._on(table, unknown[:_TRIED_PAIRS]) if found]
+            agreed = common_table(_each_once(others, fits), self._level) if others else None
             if agreed is not None:
                 return agreed
         return None
@@ -152,6 +152,11 @@ class SecondLook:
     def _on(self, table: Table, pairs: Sequence[BlobPair]) -> list[Supported | None]:
         found = standing(self.images, [_convex_outlines(blobs) for blobs in pairs], table)
         return [None if each is None or (is_flat(each.fit) and not self.flat_parts) else each for each in found]
+
+
+def _each_once(found: Sequence[SolidFit], fits: Sequence[SolidFit]) -> list[SolidFit]:
+    """The solids found, and those of the others that are none of them."""
+    return [*found, *(fit for fit in fits if not any(fit.overlaps(other) for other in found))]
 
 
 def _stands_too(on_it: Supported, in_the_air: Supported, hangs: bool) -> bool:

@@ -63,7 +63,7 @@ def common_table(fits: Sequence[SolidFit | None], faces: Sequence[SolidFit] = ()
 
 def supposed_tables(fits: Sequence[SolidFit | None]) -> list[Table]:
     """What the solids would stand on, one by one, if they stand on a face that the cameras do not see, and what
-    cylinders and balls would lie on together.
+    cylinders and balls would lie on together; those on which most of them would stand come first.
 
     Most of these are wrong: another object must be found on a table before it is believed.
     """
@@ -72,11 +72,12 @@ def supposed_tables(fits: Sequence[SolidFit | None]) -> list[Table]:
     supposed = [(axis * sign, fit) for fit in turned for axis in standing_axes(fit) for sign in (-1.0, 1.0)]
     cylinders, balls = ([fit for fit in bodies if fit.kind == kind.name] for kind in (CYLINDER, SPHERE))
     supposed += [(normal, lying) for lying in cylinders for ball in balls for normal in _under_both(lying, ball)]
-    return [
+    tables = [
         Table(up, -float(lowest_m(up, [fit])[0]), SUPPOSED_SIGMA_M)
         for up, fit in supposed
         if -up @ fit.centre_m > _STEEP * np.linalg.norm(fit.centre_m)
     ]
+    return sorted(tables, key=lambda table: -sum(stands_on(table, fit) for fit in bodies))
 
 
 def _under_both(lying: SolidFit, ball: SolidFit) -> list[Floats]:
