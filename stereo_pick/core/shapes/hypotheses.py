@@ -16,13 +16,13 @@ from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX, EdgeMap
 from stereo_pick.core.shapes.evidence import centre_covariance, determined
 from stereo_pick.core.shapes.fitting import NOISE_PX, Nearest, Pair, nearest_of_kind
 from stereo_pick.core.shapes.growing import grown, is_longer
-from stereo_pick.core.shapes.kinds import BOX, CYLINDER, SPHERE, Kind
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE, Kind
 from stereo_pick.core.shapes.locking import Locked, lock
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
-_LOOKED_FOR = (SPHERE, CYLINDER, BOX)
+_LOOKED_FOR, _LOOKED_FOR_LAST = (SPHERE, CYLINDER, BOX), (HEX_PRISM,)
 _SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
 _PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a median
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
@@ -80,9 +80,12 @@ class Images:
 
     def look_at(self, readings: Sequence[Pair]) -> None:
         """Find out at once what is asked for `best` of many outlines: one by one takes several times as long."""
-        for kind in _LOOKED_FOR:
+        self._look_for(_LOOKED_FOR, readings)
+
+    def _look_for(self, kinds: Sequence[Kind], readings: Sequence[Pair]) -> None:
+        for kind in kinds:
             self.search(readings, kind)
-        solids = [solid for pair in readings for solid in self._near(pair)]
+        solids = [solid for pair in readings for solid in self._near(pair, kinds)]
         self._stretch(solids, None)
         self._lock([solid for solid in solids if self.contradicts(solid) is None], None)
 
@@ -131,9 +134,18 @@ class Images:
     def best(self, readings: Sequence[Pair]) -> Supported | None:
         """The solid with the most support among those that come near an object's outlines, and longer ones.
 
-        readings: the same outlines, trusted to different extents.
+        readings: the same outlines, trusted to different extents. Six sides come near to much else: they are looked for
+        last, and must be exact.
         """
-        found = [each for pair in readings for solid in self._near(pair) for each in self._with_longer(solid)]
+        found = self._best_of(_LOOKED_FOR, readings)
+        if found is not None:
+            return found
+        self._look_for(_LOOKED_FOR_LAST, readings)
+        six_sided = self._best_of(_LOOKED_FOR_LAST, readings)
+        return six_sided if six_sided is not None and six_sided.is_exact else None
+
+    def _best_of(self, kinds: Sequence[Kind], readings: Sequence[Pair]) -> Supported | None:
+        found = [each for pair in readings for solid in self._near(pair, kinds) for each in self._with_longer(solid)]
         believable = [each for each in found if each.believable]
         return max(believable, key=lambda each: each.score, default=None)
 
@@ -141,8 +153,8 @@ class Images:
         """Whether there are edges where the solid's silhouette lies outside the object's contours, one a view."""
         return shown_beyond(solid, self.eyes_m, self.maps, contours) > _SHOWN_BEYOND
 
-    def _near(self, pair: Pair) -> Iterator[Solids]:
-        for kind in _LOOKED_FOR:
+    def _near(self, pair: Pair, kinds: Sequence[Kind]) -> Iterator[Solids]:
+        for kind in kinds:
             solid, misfit_px = self.of_kind(pair, kind)
             if misfit_px < _PLAUSIBLE_PX:
                 yield solid
