@@ -5,19 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from families import staged
-from rendering import Box, Cylinder, Scene, render
+from rendering import Box, Cylinder, Scene, Sphere, render
 from rendering.rigs import table_before
-from rigs import RIGS
+from rigs import RIGS, rotation
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence import feature
 from stereo_pick.core.correspondence.feature import Feature
-from stereo_pick.core.correspondence.position import Row
+from stereo_pick.core.correspondence.on_table import SecondLook
+from stereo_pick.core.correspondence.position import Row, by_solid
 from stereo_pick.core.correspondence.together import Together, adjusted_together
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.poses import ObjectPoses
+from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.refusal import count_reasons
+from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.table import Table
 
@@ -122,6 +125,22 @@ def test_grain_on_which_nothing_stands_is_no_table(
     poses = poses_of(scene)
     assert asked == [is_taken]
     assert len(poses) == 2 and (off_m(poses.xyz, scene.positions_m()) < 1e-3).all()
+
+
+@pytest.mark.parametrize("turned_deg", [0, 30, 50])
+def test_a_ball_and_its_own_cap_are_not_two_that_stand_on_a_table(turned_deg: float) -> None:
+    """A ball stands on any plane: its lit cap says how that is inclined, and must not count beside it."""
+    scene = Scene((Sphere(0.0, 0.0, (0.04, 0.04, 0.04)),), PLACED, ambient=0.7)
+    pair = Rectifier(RIG).rectify(render(RIG, scene))
+    blobs, _ = Steps().correspond(pair)
+    seen = blobs.left[0], blobs.right[0]
+    across = rotation((np.deg2rad(turned_deg), 0, 0)) @ NORMAL
+    centre_m = RIG.left.R @ scene.positions_m()[0]
+    axes = np.linalg.svd(across[None])[2][[1, 2, 0]].T
+    cap = SolidFit("cylinder", centre_m + 0.018 * across, axes, np.array([0.03, 0.03, 0.002]), 0.1, np.eye(3) * 1e-8)
+    ball = SolidFit("sphere", centre_m, np.eye(3), np.full(3, 0.04), 0.1, np.eye(3) * 1e-8)
+    row = seen, by_solid(RIG, ball, shown=1.0)
+    assert SecondLook(Images(pair), [seen], [(seen, cap)], flat_parts=False).found_table([row]) is None
 
 
 def test_with_a_wrong_table_nothing_is_made_to_stand_on_it() -> None:

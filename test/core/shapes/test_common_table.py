@@ -76,6 +76,12 @@ def test_the_table_is_among_what_a_lying_cylinder_and_a_ball_suppose(tilt_deg: f
     assert near and len(supposed) <= 4
 
 
+@pytest.mark.parametrize("tilt_deg", [15, 40, 60])
+def test_what_most_would_stand_on_is_supposed_first(tilt_deg: float) -> None:
+    fits = fits_on_table(tilt_deg, [MIXED[3], MIXED[2], UPRIGHT[0]])
+    assert off_deg(supposed_tables(fits)[0], table_of(tilt_deg)) < 1.5
+
+
 def test_neither_a_ball_nor_a_thin_part_supposes_a_table() -> None:
     thin: Standing = ("cylinder", 0.0, 0.0, 0.0, False, (0.03, 0.003))
     assert supposed_tables([None, *fits_on_table(40, [MIXED[3], thin])]) == []

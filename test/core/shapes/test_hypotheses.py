@@ -7,10 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rendered_solids import half_lit_scene, rectified, solid_of
-from rendering import Box, Cylinder, Solid
+from rendering import Box, Cylinder, HexPrism, Solid, hex_prism_size
 from rendering.rigs import table_before
 from rigs import RIGS
+from solid_outlines import contour_px
 
+from stereo_pick.core.shapes import Outline
+from stereo_pick.core.shapes.fitting import Pair
 from stereo_pick.core.shapes.hypotheses import Images
 
 RIG = RIGS["thesis"]
@@ -46,3 +49,31 @@ def test_where_no_view_shows_an_edge_nothing_is_believed() -> None:
     dark = replace(pair, left=np.zeros_like(pair.left), right=np.zeros_like(pair.right))
     found = Images(dark).locked(solid_of(RIG, scene, PART).turning_freely())
     assert not found.believable and not found.raises_doubt and found.support == 0
+
+
+def broken_outlines(part: Solid, hidden: float) -> tuple[Images, Pair]:
+    """A part, evenly lit, and its outlines, of which this share at the bottom is not trusted."""
+    scene = half_lit_scene([part], TABLE, 0.4)
+    hull_m = scene.left_T_table.apply(part.hull_m()) @ RIG.left.R.T
+    outlines = []
+    for eye_m, camera in zip(RIG.eyes_m, (RIG.left, RIG.right)):
+        contour = contour_px(hull_m - eye_m, camera)
+        outlines.append(Outline.from_contour(contour, contour[:, 1] < np.quantile(contour[:, 1], 1 - hidden)))
+    return Images(rectified(RIG, scene)), (outlines[0], outlines[1])
+
+
+@pytest.mark.parametrize("hidden", [0.2, 0.3])
+@pytest.mark.parametrize("yaw_rad", [0.0, 0.3, 0.8])
+def test_six_sides_are_found_by_their_edges_where_the_outline_is_broken(hidden: float, yaw_rad: float) -> None:
+    part = HexPrism(0.0, 0.0, hex_prism_size(0.05, 0.04), yaw_rad=yaw_rad)
+    images, outlines = broken_outlines(part, hidden)
+    best = images.best([outlines])
+    assert best is not None and best.fit.kind == "hexprism" and best.is_exact
+    assert np.abs(np.sort(best.fit.size_m)[0] - 0.04) < 1e-3
+
+
+@pytest.mark.parametrize("part", [PART, Box(0.0, 0.0, (0.05, 0.04, 0.03), yaw_rad=0.4)])
+def test_what_another_kind_explains_has_no_six_sides(part: Solid) -> None:
+    images, outlines = broken_outlines(part, 0.2)
+    best = images.best([outlines])
+    assert best is not None and best.fit.kind != "hexprism"
