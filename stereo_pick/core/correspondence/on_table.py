@@ -42,7 +42,8 @@ class SecondLook:
         """The table that the objects found agree on, with what the edges alone say of the others if need be; or one
         that lit faces or one of the objects let suppose, and on which another object is found, too.
 
-        Where something is left to find on it, it is adjusted together with the objects that stand on it.
+        Where something is left to find on it, it is adjusted together with the objects that stand on it, and again with
+        those that are clearly what they seem, if others are not.
         """
         fits = [where.fit for _, where in kept if where.fit is not None]
         table = self._agreed(fits, [*(blobs for blobs, where in kept if where.fit is None), *self.pairs])
@@ -51,7 +52,11 @@ class SecondLook:
         standing = [fit for fit in fits if stands_on(table, fit)]
         if len(standing) < _LEAST:
             return table
-        return adjusted(standing, self.images.maps, self.images.rig, table, known=True)[1]
+        found, better = adjusted(standing, self.images.maps, self.images.rig, table, known=True)
+        clear = [each.fit for each in found if each.is_creased and not each.is_astray]
+        if not _LEAST <= len(clear) < len(standing):
+            return better
+        return adjusted(clear, self.images.maps, self.images.rig, better, known=True)[1]
 
     def _leaves_open(self, kept: Sequence[Row], table: Table) -> bool:
         return len(self.pairs) > 0 or not all(_is_sure(where, table) for _, where in kept)

@@ -37,12 +37,10 @@ from stereo_pick.core.shapes.table import Table
 
 _CREASED, _WELL_CREASED = 1 / 3, 1 / 2  # of its creases without which an object is no prism, or is in doubt ...
 _WELL_SHOWN = 0.92  # of its silhouette, all but its corners, with which it is one: its faces may be dark, or lit, alike
-_MOST_CREASES, _MOST_SHOWN = 2 / 3, 3 / 4  # without either an object may be anything: a tube may be black to its rim
 _DOUBT = 0.05  # ... by one sigma of this part of its size
 _HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
 _BEYOND = 0.05  # of an outline, sharp and clear of the solid, from which the object is more than that ...
 _CLEAR_PX = 3.0  # ... by so much
-_ASTRAY_PX = 0.3  # from its edges, where a solid is not what they show: it says nothing about the table
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,13 +66,13 @@ def adjusted_together(
     # on the table as it was: what is mistaken has its part in how it is now
     others = [_reconsidered(images, row, each, table) for row, each in zip(solids, found)]
     unlike = [row for row, other in zip(solids, others) if other is None]
-    astray = [row for row, other, each in zip(solids, others, found) if other is row and _is_astray(each)]
+    astray = [row for row, other, each in zip(solids, others, found) if other is row and each.is_astray]
     sound = [other for other in others if other is not None and other not in astray]
     if sound != solids:
         found, common = _adjusted(images, sound, table, known)
-    unlike += [row for row, each in zip(sound, found) if not _is_seen(each)]
-    sure = [(row, each) for row, each in zip(sound, found) if _is_seen(each)]
-    placed = [row if _is_astray(each) else _placed(images, row, each, common) for row, each in sure]
+    unlike += [row for row, each in zip(sound, found) if not each.is_seen]
+    sure = [(row, each) for row, each in zip(sound, found) if each.is_seen]
+    placed = [row if each.is_astray else _placed(images, row, each, common) for row, each in sure]
     flat = [] if flat_parts else [row for row in placed if _is_flat_after_all(row, common)]
     refused = [Unread("other_shape", *blobs) for blobs, _ in unlike] + [Unread("flat", *blobs) for blobs, _ in flat]
     return Together(rest + astray + [row for row in placed if row not in flat], refused, common)
@@ -87,20 +85,12 @@ def _adjusted(
     return adjusted(fits, images.maps, images.rig, table, known) if fits else ([], table)
 
 
-def _is_astray(found: Adjusted) -> bool:
-    return found.fit.residual_px > _ASTRAY_PX
-
-
-def _is_seen(found: Adjusted) -> bool:
-    return found.creased >= _MOST_CREASES or found.shown > _MOST_SHOWN
-
-
 def _reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
     """The same, or what the object is if it is no prism; None where that is open."""
-    if found.fit.kind == CYLINDER.name and _is_astray(found):
+    if found.fit.kind == CYLINDER.name and found.is_astray:
         return None
     is_prism = isinstance(KINDS[found.fit.kind], Prism)
-    if _is_seen(found) and (found.creased >= _CREASED or not is_prism):
+    if found.is_seen and (found.creased >= _CREASED or not is_prism):
         return row
     if not is_prism:
         return None

@@ -36,6 +36,8 @@ _UNKNOWN = 1000.0  # sigma
 _TURN_RAD = 0.0003  # sigma of the right camera's turns that the ends of outlines do not tell
 _KNOWN_TILT_RAD = np.deg2rad(0.5)  # sigma of a table that is known
 _FOOT_M = 0.00008  # sigma of the middle of what stands in its own shadow: that hides where it ends
+_ASTRAY_PX = 0.3  # from its edges
+_MOST_CREASES, _MOST_SHOWN = 2 / 3, 3 / 4  # of its creases, of its silhouette
 _BESIDE_M = 0.1  # from the middle of the solids, where others may stand
 
 
@@ -47,6 +49,21 @@ class Adjusted:
     fit: SolidFit
     shown: float
     creased: float
+
+    @property
+    def is_astray(self) -> bool:
+        """Whether it is not what the edges show."""
+        return self.fit.residual_px > _ASTRAY_PX
+
+    @property
+    def is_creased(self) -> bool:
+        """Whether most of its creases show, so that it is hardly anything else."""
+        return self.creased >= _MOST_CREASES
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether it shows enough of itself: what lacks its creases, like a tube black to its rim, shows all around."""
+        return self.is_creased or self.shown > _MOST_SHOWN
 
 
 class _Group(NamedTuple):
