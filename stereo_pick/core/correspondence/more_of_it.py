@@ -11,10 +11,10 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Image
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.position import BlobPair, Row
-from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.beside import are_beside
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -41,20 +41,17 @@ def _as_unsure(row: Row, others: Sequence[BlobPair], rig: StereoRig) -> Row:
 
 def _moved_px(fit: SolidFit, pair: BlobPair, rig: StereoRig) -> float:
     """How far the centroid of the solid and the other [px] is from that of the solid alone: the least of both views."""
-    outlines = [fit.silhouette_px(camera) for camera in (rig.left, rig.right)]
-    return min(_off_px(outline, other) for outline, other in zip(outlines, pair))
+    cameras = rig.left, rig.right
+    return min(_off_px(fit.silhouette_px(camera), other.contour_px, camera) for camera, other in zip(cameras, pair))
 
 
-def _off_px(outline: Floats, other: Blob) -> float:
-    low = np.minimum(outline.min(axis=0), other.contour_px.min(axis=0))
-    alone, more = (np.round(each - low).astype(np.int32) for each in (outline, other.contour_px))
-    covered = np.zeros(np.maximum(alone.max(axis=0), more.max(axis=0))[::-1] + 1, np.uint8)
-    cv2.fillPoly(covered, [alone], 1)
-    before_px = _centroid_px(covered)
-    cv2.fillPoly(covered, [more], 1)
-    return float(np.linalg.norm(_centroid_px(covered) - before_px))
-
-
-def _centroid_px(covered: Image) -> Floats:
-    moments = cv2.moments(covered, binaryImage=True)
-    return np.array([moments["m10"], moments["m01"]]) / moments["m00"]
+def _off_px(outline: Floats, more: Floats, camera: Camera) -> float:
+    width, height = camera.frame_size
+    covered = np.zeros((height, width), np.uint8)
+    centroids = []
+    for polygon in (outline, more):
+        within = np.clip(np.round(polygon), 0, (width - 1, height - 1)).astype(np.int32)
+        cv2.fillPoly(covered, [within], 1)
+        moments = cv2.moments(covered, binaryImage=True)
+        centroids.append(np.array([moments["m10"], moments["m01"]]) / moments["m00"])
+    return float(np.linalg.norm(centroids[1] - centroids[0]))
