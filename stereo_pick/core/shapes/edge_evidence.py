@@ -15,7 +15,7 @@ from stereo_pick.core.shapes.creases import POINTS as CREASE_POINTS
 from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.evidence import ARC_PX, USUAL_PX
-from stereo_pick.core.shapes.kinds import SPHERE, cross, dot
+from stereo_pick.core.shapes.kinds import cross, dot
 from stereo_pick.core.shapes.locking import ON_EDGE_PX, edges_beside, trust
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.predicted import inside, silhouettes
@@ -118,8 +118,7 @@ def edge_evidence(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, turn
     slid = inner.at_edges()
     scale = _scale_px(outer, slid)
     shown = outer.on_edge().reshape(len(scale), 2, -1).mean(axis=2).min(axis=1)
-    hidden = 1.0 if solids.kind is SPHERE else np.maximum(shown, _LEAST_SHOWN) ** 2  # a ball has no end that may hide
-    sigma = _ARC_SIGMA_PX * np.maximum(1.0, scale / USUAL_PX) / hidden
+    sigma = _ARC_SIGMA_PX * np.maximum(1.0, scale / USUAL_PX) / np.maximum(shown, _LEAST_SHOWN) ** 2
     normal, right = _equations(outer, _weights(outer, scale, sigma))
     more, more_right = inner.equations(_weights(slid, scale, sigma))
     return EdgeEvidence(normal + more, right + more_right, scale, shown, inner.shown())
