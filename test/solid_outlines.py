@@ -69,6 +69,21 @@ def contours_px(part: Part, rig: StereoRig) -> tuple[Floats, Floats]:
     return left, right
 
 
+def side_contours_px(cylinder: Part, rig: StereoRig, points: int = 150) -> tuple[Floats, Floats]:
+    """What both views show of a cylinder's round side alone, without its ends: closed contours (N, 2) [px]."""
+    radius_m, half_m = cylinder.half_m
+    contours = []
+    for eye_m, camera in zip(rig.eyes_m, (rig.left, rig.right)):
+        towards = (eye_m - cylinder.centre_m) @ cylinder.rotation
+        reach = np.arccos(radius_m / np.hypot(*towards[:2]))
+        angle = np.arctan2(towards[1], towards[0]) + np.linspace(-reach, reach, points)
+        rim = radius_m * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        ring = np.concatenate([np.c_[rim, np.full(points, -half_m)], np.c_[rim[::-1], np.full(points, half_m)]])
+        seen = ring @ cylinder.rotation.T + cylinder.centre_m - eye_m
+        contours.append(seen[:, :2] / seen[:, 2:] * camera.P[0, 0] + camera.P[:2, 2])
+    return contours[0], contours[1]
+
+
 def distances_px(points: Floats, contour: Floats) -> Floats:
     """Of points (N, 2) from a closed contour, inside positive."""
     line = contour.astype(np.float32)

@@ -12,7 +12,7 @@ from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.rig import StereoRig
 
 
-def told_apart(
+def by_certainty(
     rows: Sequence[Row], refused: Sequence[Unread], rig: StereoRig, most: float
 ) -> tuple[list[Row], list[Unread]]:
     """Those known well enough, and the others; most: one sigma of an object's depth, as a part of its width.

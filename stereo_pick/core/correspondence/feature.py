@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.certainty import told_apart
+from stereo_pick.core.correspondence.certainty import by_certainty
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.grain import grained_table
@@ -132,7 +132,7 @@ class Feature(Method):
         kept, unknown = self._of_known_reference(together.kept, normal)
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
         unread = found.unread + together.refused + [Unread("no_solid", *each) for each, _ in unknown]
-        sure, unsure = told_apart(kept, unread, rig, most)
+        sure, unsure = by_certainty(kept, unread, rig, most)
         sure.sort(key=lambda row: float(row[1].left_px[0]))
         matches = [self._match(rig, left, where, normal) for (left, _), where in sure]
         return collect(matches, [each.refusal for each in unread + unsure])

@@ -24,9 +24,11 @@ from stereo_pick.core.objects.blob import CUT, SHARP
 from stereo_pick.core.objects.splitting import may_be_two
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, fit_solids
+from stereo_pick.core.shapes.adjustment import is_astray
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
+from stereo_pick.core.shapes.tubes import tube_of
 
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
@@ -36,6 +38,7 @@ _NOTCH, _FADES = 0.5, 0.02  # of max_concavity, of the outline, in both views: l
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
 _SHARP_LIMB = 0.75
 _SURELY_SHARP = 0.5
+_SURELY_ONE = 0.9  # part of a notched outline from which on a tube that it lies on is the reason for the notch
 _FLAT = 0.08  # thickness by length of what may be a print
 TOP = 0.15  # ... of what may be the lit top of a body, as long as no table is known
 
@@ -69,20 +72,35 @@ def _locate(
     best = images.best(readings)
     if best is not None and images.shows_beyond(best.fit.solid, [(b.contour_px, b.sharpness > CUT) for b in blobs]):
         return by_supported(images.rig, best)
-    if _is_notched(blobs, max_concavity) or any(
-        blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs
-    ):
+    tube = _tube(images, blobs, outlines)
+    if (tube is None or tube.support < _SURELY_ONE) and _may_be_several(blobs, max_concavity):
         return _refused(blobs, "merged")
-    if max(blob.cut_share for blob in blobs) > _MAY_BE_CUT:
-        return _refused(blobs, "merged")
-    half_lit = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(b.fading_notch for b in blobs) > _FADES
-    if (
-        half_lit
-        or sum(b.fading for b in blobs) / 2 > _MAY_FADE_UNEXPLAINED
-        or (can_be_fitted(outlines) and images.hides_a_side(outlines))
-    ):
+    if _is_half_lit(images, blobs, outlines, max_concavity):
         return _refused(blobs, "half_lit")
-    return by_outlines(images.rig, blobs, None)
+    if tube is None:
+        return by_outlines(images.rig, blobs, None)
+    return replace(by_supported(images.rig, tube), is_rough=is_astray(tube.fit))
+
+
+def _may_be_several(blobs: BlobPair, max_concavity: float) -> bool:
+    if _is_notched(blobs, max_concavity) or max(blob.cut_share for blob in blobs) > _MAY_BE_CUT:
+        return True
+    return any(blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs)
+
+
+def _is_half_lit(images: Images, blobs: BlobPair, outlines: Pair, max_concavity: float) -> bool:
+    notched = min(b.concavity for b in blobs) > _NOTCH * max_concavity and min(b.fading_notch for b in blobs) > _FADES
+    if notched or sum(b.fading for b in blobs) / 2 > _MAY_FADE_UNEXPLAINED:
+        return True
+    return can_be_fitted(outlines) and images.hides_a_side(outlines)
+
+
+def _tube(images: Images, blobs: BlobPair, outlines: Pair) -> Supported | None:
+    """The tube that an object is, as a cylinder, where its outlines are its own nearly all around."""
+    unseen = max(*(blob.fading for blob in blobs), *(blob.cut_share for blob in blobs))
+    if unseen > _MAY_FADE_UNEXPLAINED or not can_be_fitted(outlines) or shows_one_face(*blobs, images.rig):
+        return None
+    return tube_of(images, outlines)
 
 
 def _is_whole(blobs: BlobPair, max_concavity: float) -> bool:

@@ -30,7 +30,8 @@ BlobPair = tuple[Blob, Blob]
 class Located:
     """Image points (2,) [px] of an object's centre, their sigma [px], and the solid, if one explains it; or the
     reason why they are not known. In the rectified left frame [m²], (3, 3): covariance, of what moves both points
-    together, beside their sigma; doubt, the part of all this that is about which solid it is."""
+    together, beside their sigma; doubt, the part of all this that is about which solid it is. is_rough: whether the
+    solid is known to lie so far off that the edges say no more of it than its outlines."""
 
     left_px: Floats
     right_px: Floats
@@ -39,6 +40,7 @@ class Located:
     reason: str = ""
     covariance: Floats = field(default_factory=lambda: np.zeros((3, 3)))
     doubt: Floats = field(default_factory=lambda: np.zeros((3, 3)))
+    is_rough: bool = False
 
 
 Row = tuple[BlobPair, Located]

@@ -61,7 +61,8 @@ def adjusted_together(
     known: whether the table is known without them; flat_parts: whether parts may be flat.
     """
     whole = [(blobs, with_dark_ends(images.rig, blobs, where)) for blobs, where in rows]
-    rest, solids = [row for row in whole if not row[1].fit], [row for row in whole if row[1].fit]
+    rest = [row for row in whole if row[1].fit is None or row[1].is_rough]
+    solids = [row for row in whole if row not in rest]
     found, common = _adjusted(images, solids, table, known)
     # on the table as it was: what is mistaken has its part in how it is now
     others = [_reconsidered(images, row, each, table) for row, each in zip(solids, found)]

@@ -53,7 +53,7 @@ class Adjusted:
     @property
     def is_astray(self) -> bool:
         """Whether it is not what the edges show."""
-        return self.fit.residual_px > _ASTRAY_PX
+        return is_astray(self.fit)
 
     @property
     def is_creased(self) -> bool:
@@ -64,6 +64,11 @@ class Adjusted:
     def is_seen(self) -> bool:
         """Whether it shows enough of itself: what lacks its creases, like a tube black to its rim, shows all around."""
         return self.is_creased or self.shown > _MOST_SHOWN
+
+
+def is_astray(fit: SolidFit) -> bool:
+    """Whether a solid lies so far off the edges that they do not show it, or not so finely."""
+    return fit.residual_px > _ASTRAY_PX
 
 
 class _Group(NamedTuple):

@@ -10,7 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.evidence import centre_covariance, complaint, determined, explained, followed, misfit_px
-from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE, Kind
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE, TUBE, Kind
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.outline import Outline
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
@@ -39,11 +39,13 @@ class _Stage(NamedTuple):
 
 _QUICK = (_Stage(5, 3, True), _Stage(2, 2, False), _Stage(1, 4, False))
 _THOROUGH = (_Stage(64, 2, True), _Stage(24, 4, True), _Stage(8, 3, False), _Stage(1, 4, False))
+_NEVER_ROUGH = (_Stage(12, 3, False), _Stage(4, 5, False), _Stage(1, 4, False))  # where the normals of a bite mislead
 _ALL_OF: dict[Kind, tuple[_Stage, ...]] = {  # what leaves no solid of a kind out
     SPHERE: _QUICK[-1:],
     CYLINDER: _THOROUGH,
     BOX: _THOROUGH,
     HEX_PRISM: _THOROUGH,
+    TUBE: _NEVER_ROUGH,
 }
 _SEARCHES = (  # and how much, in units of the noise, the kinds before must have left unexplained to make it worthwhile
     (SPHERE, _ALL_OF[SPHERE], 0.0),

@@ -123,12 +123,34 @@ class Cylinder(Round):
         facing, width = np.arctan2(y, x), np.arccos(np.minimum(radius / (off_axis + _TINY), 1.0))
         sees = z * _ENDS > half_length  # of either end its face
         middle, reach = np.where(sees, facing + np.pi, facing), np.where(sees, width - np.pi, width) * _ENDS
-        angle = middle[..., None] + reach[..., None] * np.linspace(-1, 1, count // 2)
-        points = np.empty((*angle.shape, 3))
-        points[..., 0] = radius[..., None] * np.cos(angle)
-        points[..., 1] = radius[..., None] * np.sin(angle)
-        points[..., 2] = (np.where((off_axis > radius) | sees, _ENDS, -_ENDS) * half_length)[..., None]
-        return points.reshape(*eyes_m.shape[:2], count, 3)
+        heights_m = np.where((off_axis > radius) | sees, _ENDS, -_ENDS) * half_length
+        return _arcs(middle, reach, radius, heights_m, count)
+
+
+def _arcs(middle: Floats, reach: Floats, radius_m: Floats, heights_m: Floats, count: int) -> Floats:
+    """Points (S, E, count, 3) [m] on an arc of each of the two rims (S, E, 2), which reaches from its middle [rad] so
+    far [rad] to both sides."""
+    angle = middle[..., None] + reach[..., None] * np.linspace(-1, 1, count // 2)
+    points = np.empty((*angle.shape, 3))
+    points[..., 0] = radius_m[..., None] * np.cos(angle)
+    points[..., 1] = radius_m[..., None] * np.sin(angle)
+    points[..., 2] = heights_m[..., None]
+    return points.reshape(*middle.shape[:2], count, 3)
+
+
+class Tube(Cylinder):
+    """A cylinder of which only the side is seen: it is open, or its ends look like the table. What is seen of it is
+    not convex: an end that faces the camera looks like a bite."""
+
+    name = "tube"
+
+    def horizon(self, eyes_m: Floats, half_m: Floats, count: int) -> Floats:
+        """The arc of each rim towards the eye, which must not look along the side from within."""
+        radius, half_length = half_m[:, None, :1], half_m[:, None, 1:]
+        x, y = eyes_m[..., :1], eyes_m[..., 1:2]
+        width = np.arccos(np.minimum(radius / (np.sqrt(x * x + y * y) + _TINY), 1.0))
+        facing = np.repeat(np.arctan2(y, x), 2, axis=2)
+        return _arcs(facing, width * _ENDS, radius, np.broadcast_to(_ENDS * half_length, facing.shape), count)
 
 
 class Prism(Convex):
@@ -196,5 +218,5 @@ class HexPrism(Prism):
 
 
 Kind = Round | Prism
-SPHERE, CYLINDER, BOX, HEX_PRISM = Sphere(), Cylinder(), Box(), HexPrism()
+SPHERE, CYLINDER, BOX, HEX_PRISM, TUBE = Sphere(), Cylinder(), Box(), HexPrism(), Tube()
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (SPHERE, CYLINDER, BOX, HEX_PRISM)}

@@ -7,10 +7,12 @@ a convex figure is the largest of its distances from the figure's tangents: the 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.shapes.kinds import SPHERE, Prism, Round, dot
+from stereo_pick.core.shapes.kinds import SPHERE, TUBE, Prism, Round, dot
 from stereo_pick.core.shapes.residuals import Tangents
 from stereo_pick.core.shapes.sight import Sight
 from stereo_pick.core.shapes.solids import Solids
@@ -26,6 +28,8 @@ def nearest_tangents(sight: Sight, solids: Solids) -> Tangents:
     """The tangents of the solids' silhouettes next to the points of their outlines."""
     if solids.kind is SPHERE:
         return _of_cones(sight, solids)
+    if solids.kind is TUBE:
+        return _of_tubes(sight, solids)
     if isinstance(solids.kind, Round):
         return _of_curves(sight, solids, solids.kind)
     return _of_edges(sight, solids, solids.kind)
@@ -63,24 +67,52 @@ def _of_edges(sight: Sight, solids: Solids, kind: Prism) -> Tangents:
     return Tangents(*_furthest(sight, sides))
 
 
+class _Polygon(NamedTuple):
+    """Solids without corners as polygons (S, 2, E) of what is seen of them: horizon (..., 3) [m], the corners in the
+    solids' own axes; corners (..., 2), in the image; way (..., 2), from each to the next; normals (..., 2), outward."""
+
+    horizon: Floats
+    corners: Floats
+    way: Floats
+    normals: Floats
+
+    @staticmethod
+    def of(sight: Sight, solids: Solids, kind: Round) -> _Polygon:
+        start = solids.seen_from(sight.eyes_m)
+        horizon = kind.horizon(-start[:, :, 0] @ solids.rotation, solids.half_m, _SIDES)
+        placed = horizon.reshape(len(horizon), -1, 3) @ solids.rotation.transpose(0, 2, 1)
+        seen = placed.reshape(horizon.shape) + start
+        corners = seen[..., :2] / seen[..., 2:]
+        way = corners[:, :, _NEXT] - corners
+        turn = np.sign(dot(corners, _outward(way)).sum(axis=2))  # of twice the area
+        normals = _outward(way) * (turn[..., None] / (np.sqrt(dot(way, way)) + _TINY))[..., None]
+        return _Polygon(horizon, corners, way, normals)
+
+
 def _of_curves(sight: Sight, solids: Solids, kind: Round) -> Tangents:
     """Of solids without corners: a side of the polygon through points of the silhouette, and a point above the side."""
-    start = solids.seen_from(sight.eyes_m)
-    horizon = kind.horizon(-start[:, :, 0] @ solids.rotation, solids.half_m, _SIDES)
-    placed = horizon.reshape(len(horizon), -1, 3) @ solids.rotation.transpose(0, 2, 1)
-    seen = placed.reshape(horizon.shape) + start
-    corners = seen[..., :2] / seen[..., 2:]
-    way = corners[:, :, _NEXT] - corners
-    length = np.sqrt(dot(way, way))
-    turn = np.sign(dot(corners, _outward(way)).sum(axis=2))  # of twice the area
-    sides = np.empty((*length.shape, 12))
-    sides[..., :2] = _outward(way) * (turn[..., None] / (length + _TINY))[..., None]
-    sides[..., 2] = np.where(length > _LEAST_SIDE, -dot(sides[..., :2], corners), -_FAR)
+    horizon, corners, way, normals = _Polygon.of(sight, solids, kind)
+    sides = np.empty((*way.shape[:3], 12))
+    sides[..., :2] = normals
+    sides[..., 2] = np.where(dot(way, way) > _LEAST_SIDE**2, -dot(normals, corners), -_FAR)
     sides[..., 3:6] = _along(corners, way)
     sides[..., 6:9] = horizon
     sides[..., 9:] = horizon[:, :, _NEXT] - horizon
     normals, touched = _furthest(sight, sides)
     return Tangents(normals, kind.onto(touched, solids.half_m))
+
+
+def _of_tubes(sight: Sight, solids: Solids) -> Tangents:
+    """Of tubes, which may look concave: the side of the polygon that the point is nearest to."""
+    horizon, corners, way, normals = _Polygon.of(sight, solids, TUBE)
+    off = sight.points[:, :, :, None] - corners[:, :, None]
+    per_length = way / (dot(way, way) + _TINY)[..., None]
+    share = np.clip(dot(off, per_length[:, :, None]), 0, 1)
+    off -= share[..., None] * way[:, :, None]
+    side = dot(off, off).argmin(axis=3)[..., None]
+    begin, end, normals = (np.take_along_axis(each, side, axis=2) for each in (horizon, horizon[:, :, _NEXT], normals))
+    touched = begin + np.take_along_axis(share, side, axis=3) * (end - begin)
+    return Tangents(normals, TUBE.onto(touched.reshape(len(touched), -1, 3), solids.half_m))
 
 
 def _furthest(sight: Sight, sides: Floats) -> tuple[Floats, Floats]:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from families import staged
 from rendered_solids import half_lit_scene
 from rendering import Box, Cylinder, Scene, Solid, render
 from rendering.rigs import table_before
@@ -123,3 +124,12 @@ def test_touching_cylinders_beside_each_other_are_both_found() -> None:
     poses = poses_of(scene)
     assert len(poses) == 2 and poses.kinds == ("cylinder", "cylinder")
     assert (off_m(poses, scene) < 5e-4).all()
+
+
+def test_touching_parts_are_no_tube_with_a_bite() -> None:
+    """Two thirds of the outline that two of these have in common lie on one, which is enough for a tube by itself."""
+    scene = staged("bright_and_dark", 13)
+    frame, truth = scene.taken()
+    poses = Pipeline(scene.rig, Steps()).run(frame).poses
+    centres = np.array([each.centre_m for each in truth.objects])
+    assert np.linalg.norm(poses.xyz[:, None] - centres, axis=2).min(axis=1).max() < 5e-3

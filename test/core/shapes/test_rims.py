@@ -7,14 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rigs import RIGS, rotation
-from solid_outlines import Part, contours_px, disturbed
+from solid_outlines import Part, contours_px, disturbed, side_contours_px
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.rims import to_rims
 
 RIG = RIGS["verged"]
-CAMERAS = RIG.left, RIG.right
 RADIUS_M, HALF_M = 0.018, 0.03
 
 
@@ -38,18 +37,8 @@ def _axis(turn: float) -> Floats:
 def side_px(part: Part, noise_px: float = 0.0) -> list[Floats]:
     """What each view shows of the round side alone."""
     rng = np.random.default_rng(0)
-    outlines = []
-    for camera in CAMERAS:
-        eye_m = np.array([-camera.P[0, 3] / camera.P[0, 0], 0.0, 0.0])
-        towards = (eye_m - part.centre_m) @ part.rotation
-        reach = np.arccos(RADIUS_M / np.hypot(*towards[:2]))
-        angle = np.arctan2(towards[1], towards[0]) + np.linspace(-reach, reach, 150)
-        rim = RADIUS_M * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        ring = np.concatenate([np.c_[rim, np.full(150, -HALF_M)], np.c_[rim[::-1], np.full(150, HALF_M)]])
-        seen = ring @ part.rotation.T + part.centre_m - eye_m
-        contour = seen[:, :2] / seen[:, 2:] * camera.P[0, 0] + camera.P[:2, 2]
-        outlines.append(disturbed(contour, noise_px, rng) if noise_px else contour)
-    return outlines
+    outlines = side_contours_px(part, RIG)
+    return [disturbed(each, noise_px, rng) for each in outlines] if noise_px else list(outlines)
 
 
 def fit_of(part: Part, low_m: float = -HALF_M, high_m: float = HALF_M) -> SolidFit:

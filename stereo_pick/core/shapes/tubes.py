@@ -1,0 +1,63 @@
+"""Tubes and other cylinders of which the side alone is seen: their ends are open, or look like the table.
+
+An end that faces a camera looks like a bite there, and like the end of a cylinder to the other camera, so no convex
+solid explains both outlines. Tubes are often taped, sawn or painted: they need not be as smooth as what is machined.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.evidence import centre_covariance, determined
+from stereo_pick.core.shapes.fitting import NOISE_PX, Pair
+from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, TUBE
+from stereo_pick.core.shapes.refinement import Fitted, fitted
+from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.solids import Solids
+
+_ROUGH = 1 / 50  # of its diameter by which a tube's outlines may lie off it ...
+_MOST = 2 / 3  # ... of their points
+
+
+def tube_of(images: Images, outlines: Pair) -> Supported | None:
+    """The tube, as a cylinder, that explains most of an object's outlines in both views; None where it does not, or
+    where another solid explains more of them. Its centre is as unsure as it is that it is no other solid."""
+    sight = Sight.of([outlines], images.rig).without_corners()
+    tube = _seen_as(sight, images.of_kind(outlines, TUBE)[0])
+    rough_px = max(_ROUGH * _width_px(tube.solids, sight.focal_px), NOISE_PX)
+    share = _share(tube, rough_px)
+    covariance = centre_covariance(tube, NOISE_PX)
+    if share < _MOST or not determined(tube, covariance)[0]:
+        return None
+    others = [_seen_as(sight, images.of_kind(outlines, kind)[0]) for kind in (CYLINDER, BOX)]
+    shares = [_share(each, rough_px) for each in others]
+    if max(shares) > share + CHANCE:
+        return None
+    rivals = [each.solids.centre_m[0] for each, much in zip(others, shares) if much > share - CHANCE]
+    return _as_cylinder(tube, share, covariance[0], rivals)
+
+
+def _seen_as(sight: Sight, solid: Solids) -> Fitted:
+    return fitted(sight, solid.turning_freely())
+
+
+def _width_px(tube: Solids, focal_px: float) -> float:
+    return float(tube.size_m()[0, 0] * focal_px / tube.centre_m[0, 2])
+
+
+def _share(found: Fitted, rough_px: float) -> float:
+    """The part of the outline that lies on a solid, the lesser of both views."""
+    on_it = (np.abs(found.residual_px[0]) < rough_px).reshape(2, -1)
+    known = (found.weight[0] > 0).reshape(2, -1)
+    return float(((on_it & known).sum(axis=1) / np.maximum(known.sum(axis=1), 1)).min())
+
+
+def _as_cylinder(tube: Fitted, share: float, covariance: Floats, rivals: list[Floats]) -> Supported:
+    solids, residual_px = tube.solids, float(tube.scale_px()[0])
+    size_m = solids.size_m()[0]
+    fit = SolidFit(CYLINDER.name, solids.centre_m[0], solids.rotation[0], size_m, residual_px, covariance)
+    off_m = max((each - fit.centre_m for each in rivals), key=lambda off: float(off @ off), default=np.zeros(3))
+    return Supported(fit, share, residual_px, True, np.outer(off_m, off_m))

@@ -1,0 +1,73 @@
+"""Cylinders of which the side alone is seen: exact geometry."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from outlines import blank_pair
+from rigs import RIGS, rotation
+from solid_outlines import Part, contours_px, disturbed, side_contours_px
+
+from stereo_pick.core.shapes import Outline, fit_solid
+from stereo_pick.core.shapes.fitting import Pair
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.tubes import tube_of
+
+RIG = RIGS["verged"]
+HALF_M = np.array([0.016, 0.034])
+
+
+def tube(turn: float, tilt: float) -> Part:
+    """A tube half a metre away; turn: of its axis from the rows [rad], tilt: of that out of the image plane [rad]."""
+    axis = np.array([np.cos(turn), np.sin(turn), 0.0])
+    lying = np.stack([[0.0, 0.0, 1.0], np.cross(axis, [0.0, 0.0, 1.0]), axis], axis=1)
+    about = np.cross(axis, [0.0, 0.0, 1.0])
+    return Part("cylinder", np.array([0.06, 0.02, 0.5]), rotation(tilt * about) @ lying, HALF_M)
+
+
+def sides(part: Part, noise_px: float = 0.0, seed: int = 0) -> Pair:
+    rng = np.random.default_rng(seed)
+    contours = side_contours_px(part, RIG)
+    left, right = (disturbed(each, noise_px, rng) if noise_px else each for each in contours)
+    return Outline.from_contour(left), Outline.from_contour(right)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(-1.5, 1.5), st.sampled_from([-0.45, -0.25, 0.0, 0.25, 0.45]))
+def test_a_tube_is_where_its_side_says(turn: float, tilt: float) -> None:
+    part = tube(turn, tilt)
+    found = tube_of(Images(blank_pair(RIG)), sides(part))
+    assert found is not None
+    assert found.fit.kind == "cylinder"
+    np.testing.assert_allclose(found.fit.centre_m, part.centre_m, atol=2e-4)
+    np.testing.assert_allclose(found.fit.size_m, 2 * HALF_M[[0, 0, 1]], atol=4e-4)
+
+
+@pytest.mark.parametrize("turn", [0.1, 0.8, -0.6])
+def test_no_convex_solid_explains_an_end_that_looks_like_a_bite(turn: float) -> None:
+    """Without tubes, the centre between the outlines would be taken: it is millimetres nearer."""
+    assert fit_solid(*sides(tube(turn, 0.4)), RIG) is None
+
+
+@pytest.mark.parametrize("turn", [0.1, 0.8, -0.6])
+def test_a_rough_tube_is_as_unsure_as_it_is_rough(turn: float) -> None:
+    """Taped: its outlines are off by half a pixel."""
+    part, images = tube(turn, 0.3), Images(blank_pair(RIG))
+    squares = []
+    for seed in range(8):
+        found = tube_of(images, sides(part, 0.5, seed))
+        assert found is not None
+        off_m = found.fit.centre_m - part.centre_m
+        squares.append(float(off_m @ np.linalg.solve(found.fit.covariance + found.doubt, off_m)))
+        assert np.linalg.norm(off_m) < 4e-3
+    assert np.median(squares) < 7.81
+
+
+@pytest.mark.parametrize("kind, half_m", [("box", (0.015, 0.02, 0.034)), ("sphere", (0.02,))])
+def test_what_is_no_tube_is_none(kind: str, half_m: tuple[float, ...]) -> None:
+    for turn in (0.2, 0.9, -0.7):
+        part = Part(kind, np.array([0.06, 0.02, 0.5]), rotation(np.array([0.4, turn, turn])), np.array(half_m))
+        left, right = (Outline.from_contour(each) for each in contours_px(part, RIG))
+        assert tube_of(Images(blank_pair(RIG)), (left, right)) is None
