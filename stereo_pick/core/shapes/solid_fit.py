@@ -60,8 +60,11 @@ class SolidFit:
 
     def overlaps(self, other: SolidFit) -> bool:
         """Whether the centre of one of the two lies within the other's sides."""
-        apart_m = self.centre_m - other.centre_m
-        return any(bool((np.abs(apart_m @ each.rotation) < each.size_m / 2).all()) for each in (self, other))
+        return self.contains_centre_of(other) or other.contains_centre_of(self)
+
+    def contains_centre_of(self, other: SolidFit) -> bool:
+        """Whether the other's centre lies within its own sides."""
+        return bool((np.abs((other.centre_m - self.centre_m) @ self.rotation) < self.size_m / 2).all())
 
     def centre_px(self, camera: Camera) -> Floats:
         """Where the centre (2,) [px] appears in a rectified camera."""
