@@ -33,6 +33,7 @@ from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.standing import exactly_standing
 from stereo_pick.core.shapes.table import Table
 
 _CREASED, _WELL_CREASED = 1 / 3, 1 / 2  # of its creases without which an object is no prism, or is in doubt ...
@@ -73,6 +74,9 @@ def adjusted_together(
         found, common = _adjusted(images, sound, table, known)
     unlike += [row for row, each in zip(sound, found) if not each.is_seen]
     sure = [(row, each) for row, each in zip(sound, found) if each.is_seen]
+    another = {row: _as_another(images, row, common) for row in unlike}
+    sure += [each for each in another.values() if each is not None]
+    unlike = [row for row in unlike if another[row] is None]
     placed = [row if each.is_astray else _placed(images, row, each, common) for row, each in sure]
     flat = [] if flat_parts else [row for row in placed if _is_flat_after_all(row, common)]
     refused = [Unread("other_shape", *blobs) for blobs, _ in unlike] + [Unread("flat", *blobs) for blobs, _ in flat]
@@ -96,6 +100,18 @@ def _reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None
     if not is_prism:
         return None
     return _as_cylinder(images, row, table) or (row if found.shown > _WELL_SHOWN else None)
+
+
+def _as_another(images: Images, row: Row, table: Table | None) -> tuple[Row, Adjusted] | None:
+    """The same object as the solid on the table that the edges show clearly, if there is one: the one that was taken
+    may have gone on to the end of a shadow, or stood on the table as it was supposed to be."""
+    blobs, _ = row
+    outlines = trusted_outlines(blobs, SHARP, convex=True)
+    for each in exactly_standing(images, outlines, table) if table else []:
+        found = adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0]
+        if found.is_creased and not found.is_astray:
+            return (blobs, by_supported(images.rig, each)), found
+    return None
 
 
 def _is_flat_after_all(row: Row, table: Table | None) -> bool:

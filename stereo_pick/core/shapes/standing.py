@@ -35,6 +35,14 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
     return [each or _below_face(images, pair, table) for each, pair in zip(found, pairs)]
 
 
+def exactly_standing(images: Images, pair: Pair, table: Table) -> list[Supported]:
+    """The solids on the table that an object's outlines hint at, and that lie on their edges exactly; the best first."""
+    if not can_be_fitted(pair):
+        return []
+    found = images.all_locked(_candidates(images, [pair], table)[pair], table)
+    return sorted((each for each in found if each.is_exact), key=lambda each: -each.score)
+
+
 def _below_face(images: Images, pair: Pair, table: Table) -> Supported | None:
     """The body from the lit top that the outlines share down to the table.
 
