@@ -1,7 +1,4 @@
-"""Objects and their table adjusted together, once it is known what each object is: as far as its creases bear that out.
-
-A lying cylinder and its shadow have the silhouette of a box. What they have not are a box's edges inside of it.
-"""
+"""Objects and their table adjusted together, once it is known what each is, as far as its edges bear that out."""
 
 from __future__ import annotations
 
@@ -13,31 +10,27 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.left_over import Unread
-from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
 from stereo_pick.core.correspondence.position import (
     BlobPair,
     Row,
     by_adjusted,
-    by_supported,
     centres_by_outlines_px,
     with_dark_ends,
 )
+from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN, as_another, is_flat_after_all, reconsidered
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
 from stereo_pick.core.shapes.common_table import stands_on
-from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import Images
-from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
+from stereo_pick.core.shapes.kinds import KINDS, Prism
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
-from stereo_pick.core.shapes.standing import exactly_standing
 from stereo_pick.core.shapes.table import Table
 
-_CREASED, _WELL_CREASED = 1 / 3, 1 / 2  # of its creases without which an object is no prism, or is in doubt ...
-_WELL_SHOWN = 0.92  # of its silhouette, all but its corners, with which it is one: its faces may be dark, or lit, alike
+_WELL_CREASED = 1 / 2  # of its creases without which an object is in doubt ...
 _DOUBT = 0.05  # ... by one sigma of this part of its size
 _HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
 _BEYOND = 0.05  # of an outline, sharp and clear of the solid, from which the object is more than that ...
@@ -66,7 +59,7 @@ def adjusted_together(
     solids = [row for row in whole if row not in rest]
     found, common = _adjusted(images, solids, table, known)
     # on the table as it was: what is mistaken has its part in how it is now
-    others = [_reconsidered(images, row, each, table) for row, each in zip(solids, found)]
+    others = [reconsidered(images, row, each, table) for row, each in zip(solids, found)]
     unlike = [row for row, other in zip(solids, others) if other is None]
     astray = [row for row, other, each in zip(solids, others, found) if other is row and each.is_astray]
     sound = [other for other in others if other is not None and other not in astray]
@@ -74,11 +67,9 @@ def adjusted_together(
         found, common = _adjusted(images, sound, table, known)
     unlike += [row for row, each in zip(sound, found) if not each.is_seen]
     sure = [(row, each) for row, each in zip(sound, found) if each.is_seen]
-    another = {row: _as_another(images, row, common) for row in unlike}
-    sure += [each for each in another.values() if each is not None]
-    unlike = [row for row in unlike if another[row] is None]
-    placed = [row if each.is_astray else _placed(images, row, each, common) for row, each in sure]
-    flat = [] if flat_parts else [row for row in placed if _is_flat_after_all(row, common)]
+    others_after_all, unlike = _looked_for_again(images, unlike, sure, common)
+    placed = [row if each.is_astray else _placed(images, row, each, common) for row, each in sure + others_after_all]
+    flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
     refused = [Unread("other_shape", *blobs) for blobs, _ in unlike] + [Unread("flat", *blobs) for blobs, _ in flat]
     return Together(rest + astray + [row for row in placed if row not in flat], refused, common)
 
@@ -90,36 +81,19 @@ def _adjusted(
     return adjusted(fits, images.maps, images.rig, table, known) if fits else ([], table)
 
 
-def _reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
-    """The same, or what the object is if it is no prism; None where that is open."""
-    if found.fit.kind == CYLINDER.name and found.is_astray:
-        return None
-    is_prism = isinstance(KINDS[found.fit.kind], Prism)
-    if found.is_seen and (found.creased >= _CREASED or not is_prism):
-        return row
-    if not is_prism:
-        return None
-    return _as_cylinder(images, row, table) or (row if found.shown > _WELL_SHOWN else None)
-
-
-def _as_another(images: Images, row: Row, table: Table | None) -> tuple[Row, Adjusted] | None:
-    """The same object as the solid on the table that the edges show clearly, if there is one: the one that was taken
-    may have gone on to the end of a shadow, or stood on the table as it was supposed to be."""
-    blobs, _ = row
-    outlines = trusted_outlines(blobs, SHARP, convex=True)
-    for each in exactly_standing(images, outlines, table) if table else []:
-        found = adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0]
-        if found.is_creased and not found.is_astray:
-            return (blobs, by_supported(images.rig, each)), found
-    return None
-
-
-def _is_flat_after_all(row: Row, table: Table | None) -> bool:
-    """Whether a solid has become so thin that it may be a print, or, where it is not seen to stand, a lit top."""
-    fit = row[1].fit
-    if fit is None:
-        return False
-    return is_flat(fit) if table is not None and stands_on(table, fit) else is_flat(fit, TOP)
+def _looked_for_again(
+    images: Images, unlike: Sequence[Row], sure: Sequence[tuple[Row, Adjusted]], table: Table | None
+) -> tuple[list[tuple[Row, Adjusted]], list[Row]]:
+    """Those that are another solid, on the table as it is at last and where none of the sure ones is; and the rest."""
+    found: list[tuple[Row, Adjusted]] = []
+    still_unlike = []
+    for row in unlike:
+        another = as_another(images, row, table) if table else None
+        if another is None or any(another[1].fit.overlaps(each.fit) for _, each in [*sure, *found]):
+            still_unlike.append(row)
+        else:
+            found.append(another)
+    return found, still_unlike
 
 
 def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row:
@@ -128,7 +102,7 @@ def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> R
     doubt = where.doubt + (_as_if_it_stood(fit, table, images.rig) if table else 0.0)
     if _goes_on_beyond(blobs, fit, images):
         doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
-    if found.creased < _WELL_CREASED and (isinstance(KINDS[fit.kind], Prism) or found.shown < _WELL_SHOWN):
+    if found.creased < _WELL_CREASED and (isinstance(KINDS[fit.kind], Prism) or found.shown < WELL_SHOWN):
         doubt = doubt + _of_size(fit)
     return blobs, by_adjusted(images.rig, where, fit, doubt)
 
@@ -171,14 +145,3 @@ def _off_its_outlines(blobs: BlobPair, fit: SolidFit, rig: StereoRig) -> Floats:
 def _of_size(fit: SolidFit) -> Floats:
     """Covariance (3, 3) [m²] of the centre of what may be larger or smaller."""
     return np.asarray((_DOUBT * float(fit.size_m.mean())) ** 2 * np.eye(3))
-
-
-def _as_cylinder(images: Images, row: Row, table: Table | None) -> Row | None:
-    """The same object as the cylinder that the edges support, if they do."""
-    blobs, _ = row
-    outlines = trusted_outlines(blobs, SHARP, convex=True)
-    if not can_be_fitted(outlines):
-        return None
-    nearest, _ = nearest_of_kind([outlines], images.rig, CYLINDER, table)[outlines, CYLINDER]
-    found = images.locked(nearest, table)
-    return (blobs, by_supported(images.rig, found)) if found.believable else None

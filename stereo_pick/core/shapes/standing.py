@@ -36,7 +36,7 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
 
 
 def exactly_standing(images: Images, pair: Pair, table: Table) -> list[Supported]:
-    """The solids on the table that an object's outlines hint at, and that lie on their edges exactly; the best first."""
+    """The solids on the table that an object's outlines hint at and that lie on their edges exactly; the best first."""
     if not can_be_fitted(pair):
         return []
     found = images.all_locked(_candidates(images, [pair], table)[pair], table)

@@ -1,0 +1,63 @@
+"""What an object is after all: second thoughts, once the edges in and around it were compared with the solid.
+
+A lying cylinder and its shadow have the silhouette of a box. What they have not are a box's edges inside of it.
+"""
+
+from __future__ import annotations
+
+from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
+from stereo_pick.core.correspondence.position import Row, by_supported
+from stereo_pick.core.objects.blob import SHARP
+from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
+from stereo_pick.core.shapes.common_table import stands_on
+from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
+from stereo_pick.core.shapes.standing import exactly_standing
+from stereo_pick.core.shapes.table import Table
+
+_CREASED = 1 / 3  # of its creases, without which an object is no prism ...
+WELL_SHOWN = 0.92  # ... but with so much of its silhouette, all but its corners: its faces may be dark, or lit, alike
+
+
+def reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
+    """The same, or what the object is if it is no prism; None where that is open."""
+    if found.fit.kind == CYLINDER.name and found.is_astray:
+        return None
+    is_prism = isinstance(KINDS[found.fit.kind], Prism)
+    if found.is_seen and (found.creased >= _CREASED or not is_prism):
+        return row
+    if not is_prism:
+        return None
+    return _as_cylinder(images, row, table) or (row if found.shown > WELL_SHOWN else None)
+
+
+def as_another(images: Images, row: Row, table: Table) -> tuple[Row, Adjusted] | None:
+    """The same object as the solid on the table that the edges show clearly, if there is one: the one that was taken
+    may have gone on to the end of a shadow, or stood on the table as it was supposed to be."""
+    blobs, _ = row
+    outlines = trusted_outlines(blobs, SHARP, convex=True)
+    for each in exactly_standing(images, outlines, table):
+        found = adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0]
+        if found.is_creased and not found.is_astray:
+            return (blobs, by_supported(images.rig, each)), found
+    return None
+
+
+def is_flat_after_all(row: Row, table: Table | None) -> bool:
+    """Whether a solid has become so thin that it may be a print, or, where it is not seen to stand, a lit top."""
+    fit = row[1].fit
+    if fit is None:
+        return False
+    return is_flat(fit) if table is not None and stands_on(table, fit) else is_flat(fit, TOP)
+
+
+def _as_cylinder(images: Images, row: Row, table: Table | None) -> Row | None:
+    """The same object as the cylinder that the edges support, if they do."""
+    blobs, _ = row
+    outlines = trusted_outlines(blobs, SHARP, convex=True)
+    if not can_be_fitted(outlines):
+        return None
+    nearest, _ = nearest_of_kind([outlines], images.rig, CYLINDER, table)[outlines, CYLINDER]
+    found = images.locked(nearest, table)
+    return (blobs, by_supported(images.rig, found)) if found.believable else None
