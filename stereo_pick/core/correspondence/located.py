@@ -96,9 +96,10 @@ def _is_half_lit(images: Images, blobs: BlobPair, outlines: Pair, max_concavity:
 
 
 def _tube(images: Images, blobs: BlobPair, outlines: Pair) -> Supported | None:
-    """The tube that an object is, as a cylinder, where its outlines are its own nearly all around."""
-    unseen = max(*(blob.fading for blob in blobs), *(blob.cut_share for blob in blobs))
-    if unseen > _MAY_FADE_UNEXPLAINED or not can_be_fitted(outlines) or shows_one_face(*blobs, images.rig):
+    """The tube that an object is, as a cylinder, where its outlines are its own all around, and sharp nearly all."""
+    if any(blob.cut_share > 0 or blob.fading > _MAY_FADE_UNEXPLAINED for blob in blobs):
+        return None
+    if not can_be_fitted(outlines) or shows_one_face(*blobs, images.rig):
         return None
     return tube_of(images, outlines)
 
