@@ -17,7 +17,6 @@ from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.splitting import split
-from stereo_pick.core.shapes import SolidFit
 
 _ROUNDS = 3  # a part may still be several
 _TRIED = 4  # ways to cut the same objects
@@ -72,7 +71,7 @@ def _opened(blobs: Blobs, parts: dict[Blob, list[Blob]], rows: list[Row]) -> tup
     before = dict(rows)
     rows, there = one_in_each_place(rows)
     # a half-lit part has a notch, too, and either half may tell the whole of it
-    again = [each for each, _ in there if any(_are_one(before[each].fit, where.fit) for _, where in rows)]
+    again = [each for each, _ in there if any(_are_one(before[each], where) for _, where in rows)]
     repeated = {blob for each in again for blob in each}
     rows += [row for row in there if row[0] not in again]
     found = {blob for each, where in rows if not where.reason for blob in each}
@@ -88,9 +87,8 @@ def _opened(blobs: Blobs, parts: dict[Blob, list[Blob]], rows: list[Row]) -> tup
     return replace(blobs, left=left, right=right), {each: where for each, where in rows if kept.intersection(each)}
 
 
-def _are_one(one: SolidFit | None, other: SolidFit | None) -> bool:
-    """Whether two solids are at one place, each with its centre in the other."""
-    return one is not None and other is not None and one.contains_centre_of(other) and other.contains_centre_of(one)
+def _are_one(one: Located, other: Located) -> bool:
+    return one.fit is not None and other.fit is not None and one.fit.coincides_with(other.fit)
 
 
 def _each_alone(sides: Sequence[Sequence[Blob]], parts: dict[Blob, list[Blob]], matching: Matching) -> list[Row]:

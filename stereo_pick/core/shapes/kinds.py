@@ -145,7 +145,7 @@ class Tube(Cylinder):
     name = "tube"
 
     def horizon(self, eyes_m: Floats, half_m: Floats, count: int) -> Floats:
-        """The arc of each rim towards the eye, which must not look along the side from within."""
+        """The arc of each rim on the eye's side; an eye that is no further from the axis than that sees no side."""
         radius, half_length = half_m[:, None, :1], half_m[:, None, 1:]
         x, y = eyes_m[..., :1], eyes_m[..., 1:2]
         width = np.arccos(np.minimum(radius / (np.sqrt(x * x + y * y) + _TINY), 1.0))

@@ -19,8 +19,8 @@ from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 
 _ROUGH = 1 / 50  # of its diameter by which a tube's outlines may lie off it ...
-_MORE_ROUNDS = 12  # after the search, which ends some micrometres short, and not always at the same ones
 _MOST = 2 / 3  # ... of their points
+_MORE_ROUNDS = 12  # after the search, which ends some micrometres short, and not always at the same ones
 
 
 def tube_of(images: Images, outlines: Pair) -> Supported | None:
@@ -30,8 +30,7 @@ def tube_of(images: Images, outlines: Pair) -> Supported | None:
     tube = _seen_as(sight, images.of_kind(outlines, TUBE)[0])
     rough_px = max(_ROUGH * _width_px(tube.solids, sight.focal_px), NOISE_PX)
     share = _share(tube, rough_px)
-    covariance = centre_covariance(tube, NOISE_PX)
-    if share < _MOST or not determined(tube, covariance)[0]:
+    if share < _MOST or not determined(tube, centre_covariance(tube, NOISE_PX))[0]:
         return None
     others = [_seen_as(sight, images.of_kind(outlines, kind)[0]) for kind in (CYLINDER, BOX)]
     shares = [_share(each, rough_px) for each in others]
@@ -40,7 +39,7 @@ def tube_of(images: Images, outlines: Pair) -> Supported | None:
     rivals = [each.solids.centre_m[0] for each, much in zip(others, shares) if much > share - CHANCE]
     for _ in range(_MORE_ROUNDS):
         tube = refine(sight, tube, rounds=1)
-    return _as_cylinder(tube, share, covariance[0], rivals)
+    return _as_cylinder(tube, share, rivals)
 
 
 def _seen_as(sight: Sight, solid: Solids) -> Fitted:
@@ -58,9 +57,9 @@ def _share(found: Fitted, rough_px: float) -> float:
     return float(((on_it & known).sum(axis=1) / np.maximum(known.sum(axis=1), 1)).min())
 
 
-def _as_cylinder(tube: Fitted, share: float, covariance: Floats, rivals: list[Floats]) -> Supported:
+def _as_cylinder(tube: Fitted, share: float, rivals: list[Floats]) -> Supported:
     solids, residual_px = tube.solids, float(tube.scale_px()[0])
-    size_m = solids.size_m()[0]
+    size_m, covariance = solids.size_m()[0], centre_covariance(tube, NOISE_PX)[0]
     fit = SolidFit(CYLINDER.name, solids.centre_m[0], solids.rotation[0], size_m, residual_px, covariance)
     off_m = max((each - fit.centre_m for each in rivals), key=lambda off: float(off @ off), default=np.zeros(3))
     return Supported(fit, share, residual_px, True, np.outer(off_m, off_m))

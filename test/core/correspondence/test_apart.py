@@ -35,12 +35,17 @@ def two_discs(radius_px: float = 20.0, gap_px: float = -4.0) -> Blob:
     return Blob(contour, 100.0, fault="merged", sharpness=np.full(len(contour), 0.9))
 
 
-def ball_at(centre_m: Floats) -> SolidFit:
-    return SolidFit("sphere", centre_m, np.eye(3), np.full(3, BALL_M), 0.05, 1e-9 * np.eye(3))
+def ball_at(centre_m: Floats, size_m: float) -> SolidFit:
+    return SolidFit("sphere", centre_m, np.eye(3), np.full(3, size_m), 0.05, 1e-9 * np.eye(3))
 
 
-def matching(place_m: Callable[[Blob], Floats | None], paired: bool = True) -> Matching:
-    """Finds balls where a part of the left view says, or nothing; may pair what each view alone is cut into."""
+def matching(
+    place_m: Callable[[Blob], Floats | None],
+    paired: bool = True,
+    size_m: Callable[[Blob], float] = lambda part: BALL_M,
+) -> Matching:
+    """Finds balls where a part of the left view says, so large as it says, or nothing; may pair what each view alone is
+    cut into."""
 
     def located(pairs: list[BlobPair]) -> list[Row]:
         return [(pair, of(*pair)) for pair in pairs]
@@ -49,7 +54,7 @@ def matching(place_m: Callable[[Blob], Floats | None], paired: bool = True) -> M
         centre_m = place_m(left)
         if centre_m is None:
             return Located(left.centroid_px, right.centroid_px, 1.0, None, "merged")
-        return Located(left.centroid_px, right.centroid_px, 1.0, ball_at(centre_m))
+        return Located(left.centroid_px, right.centroid_px, 1.0, ball_at(centre_m, size_m(left)))
 
     def in_order(left: Sequence[Blob], right: Sequence[Blob]) -> list[BlobPair]:
         return list(zip(*(sorted(side, key=lambda b: float(b.centroid_px[0])) for side in (left, right))))
@@ -75,6 +80,14 @@ def test_one_body_in_both_halves_is_one() -> None:
         seen([two_discs()], [two_discs()]), [], matching(lambda part: np.array([0.0, 0.0, 1.0]), paired=False)
     )
     assert len(rows) == 1 and len(blobs.left) == len(blobs.right) == 1
+
+
+def test_one_body_that_reaches_over_another_leaves_that_one_refused() -> None:
+    """Only where each holds the other's centre they are one: else nothing that was seen may vanish."""
+    spread = matching(as_seen, paired=False, size_m=lambda part: 0.1 if part.centroid_px[0] < 110 else BALL_M)
+    blobs, rows = taken_apart(seen([two_discs()], [two_discs()]), [], spread)
+    assert sorted(where.reason for _, where in rows) == ["", "merged"]
+    assert {blob for each, _ in rows for blob in each} == {*blobs.left, *blobs.right} and len(blobs.left) == 2
 
 
 def test_one_part_that_is_found_counts_and_the_other_is_left() -> None:
