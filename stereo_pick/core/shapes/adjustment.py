@@ -17,8 +17,9 @@ import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats, Ints
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.arcs import arc_sigmas_px
 from stereo_pick.core.shapes.common_table import stands_on
-from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, edge_evidence
+from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, Seen, edges_seen
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.flush import touching
 from stereo_pick.core.shapes.kinds import KINDS
@@ -111,7 +112,8 @@ def adjusted(
     prior = _prior(plane.table if plane and known else None)
     moved_by = np.zeros(5)  # tilts and height of the table, turns of the right camera
     for round_ in range(_ROUNDS + 1):
-        seen = [edge_evidence(group.solids, views, rig, moved_by[3:]) for group in groups]
+        edges = [edges_seen(group.solids, views, rig, moved_by[3:]) for group in groups]
+        seen = [each.evidence(each.usual_sigma_px) for each in edges]
         systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
         step, covariance = _solved(systems, prior, moved_by)
         if round_ == _ROUNDS:
@@ -122,9 +124,19 @@ def adjusted(
         plane = _tilted(plane, step) if plane else None
         if max(_farthest(*each) for each in zip(groups, steps)) < _HARDLY:
             break
-    found = [_results(*each, covariance, plane) for each in zip(groups, seen, systems)]
+    # weights must be the same from round to round; how sure all is, the arcs of this scene say
+    seen = _as_scattered(edges)
+    systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
+    _, stated = _solved(systems, prior, moved_by)
+    found = [_results(*each, stated, plane) for each in zip(groups, seen, systems)]
     by_row = {row: each for group, several in zip(groups, found) for row, each in zip(group.rows.tolist(), several)}
     return [by_row[row] for row in range(len(fits))], _as_table(plane, covariance) if plane else None
+
+
+def _as_scattered(seen: Sequence[Seen]) -> list[EdgeEvidence]:
+    """What edges say, each as sure as the arcs of the scene lie on their solids."""
+    sigmas_px = arc_sigmas_px([each.arcs for each in seen], [each.shown for each in seen])
+    return [each.evidence(sigma_px) for each, sigma_px in zip(seen, sigmas_px)]
 
 
 def _groups(fits: Sequence[SolidFit], table: Table | None) -> list[_Group]:

@@ -11,15 +11,16 @@ from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.objects.edge_model import OFFSETS_PX, find_edges
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.sampling import sampled
+from stereo_pick.core.shapes.arcs import Arcs, arcs_of, usual_sigma_px
 from stereo_pick.core.shapes.creases import POINTS as CREASE_POINTS
 from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.edge_map import EdgeMap
-from stereo_pick.core.shapes.evidence import ARC_PX, USUAL_PX
+from stereo_pick.core.shapes.edge_rows import CreaseRows, EdgeRows
 from stereo_pick.core.shapes.kinds import cross, dot
 from stereo_pick.core.shapes.locking import ON_EDGE_PX, edges_beside, trust
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.predicted import inside, silhouettes
-from stereo_pick.core.shapes.refinement import LEAST_SCALE_PX, robust_scale, tukey
+from stereo_pick.core.shapes.refinement import robust_scale
 from stereo_pick.core.shapes.residuals import residuals
 from stereo_pick.core.shapes.sight import Sight, turning
 from stereo_pick.core.shapes.solids import Solids
@@ -27,17 +28,14 @@ from stereo_pick.core.shapes.solids import Solids
 _POINTS = 120  # of a silhouette
 _CLEAR_PX = 3.0  # from the silhouette, nearer than which its edge is in the way of a crease's
 _REACH_PX = 1.15  # the farthest edge that is found
-_ARC_SIGMA_PX = 0.11  # of arcs on edges; the more of a silhouette lies on none, the less the rest is trusted
-_LEAST_SHOWN = 0.25
-_ROUNDED_M = 0.0003  # one sigma of how far a crease slides
 _TINY = 1e-12
 _STILL = np.zeros(2)
 
 
 class EdgeEvidence(NamedTuple):
     """normal: (S, P + 2, P + 2) and right: (S, P + 2), the normal equations of a step, by their noise, of the solids
-    and, last, of the right camera about its x and z axis [rad]; scale_px: (S,), robust
-    standard deviation of the distances; shown, creased: (S,), the part of the silhouettes (the least of both views)
+    and, last, of the right camera about its x and z axis [rad]; scale_px: (S,), robust standard
+    deviation of the distances; shown, creased: (S,), the part of the silhouettes (the least of both views)
     and of the creases (1 where there are none) that lies on edges."""
 
     normal: Floats
@@ -47,66 +45,31 @@ class EdgeEvidence(NamedTuple):
     creased: Floats
 
 
-class _Rows(NamedTuple):
-    """residual_px: (S, M), how far solids reach beyond edges; jacobian: (S, M, P); weight: (S, M), trust in them;
-    length_px: (S, M), of what each point stands for."""
+class Seen(NamedTuple):
+    """What is seen beside solids (S) and across them; slid: the creases' edges once each crease has slid; scale_px:
+    (S,), robust standard deviation of all their distances; shown: (S,), the part of the silhouettes (the least of both
+    views) that lies on edges; arcs: how far these lie off them."""
 
-    residual_px: Floats
-    jacobian: Floats
-    weight: Floats
-    length_px: Floats
+    outer: EdgeRows
+    inner: CreaseRows
+    slid: EdgeRows
+    scale_px: Floats
+    shown: Floats
+    arcs: Arcs
 
-    def turned(self, turn_rad: Floats) -> _Rows:
-        """The same with the edges of the right view where they are without a turn (2,) of its camera."""
-        return self._replace(residual_px=self.residual_px + self.jacobian[..., -2:] @ turn_rad)
+    @property
+    def usual_sigma_px(self) -> Floats:
+        """By how much (S,) light moves arcs, as a rule."""
+        return usual_sigma_px(self.scale_px, self.shown)
 
-    def on_edge(self) -> Bools:
-        """Where (S, M) there is an edge."""
-        return np.asarray((self.weight > 0) & (np.abs(self.residual_px) < ON_EDGE_PX))
-
-
-class _Creases(NamedTuple):
-    """rows; slides: (S, M), by how many pixels each point moves as its crease slides towards the one face [px/m];
-    there: (S, M), whether the crease is seen, clear of the silhouette."""
-
-    rows: _Rows
-    slides: Floats
-    there: Bools
-
-    def along(self, values: Floats) -> Floats:
-        """Sums (S, C, ...) along each crease, in both views, of values (S, M, ...)."""
-        count = len(values)
-        each = values.reshape(count, 2, -1, CREASE_POINTS, *values.shape[2:])
-        return np.asarray(each.sum(axis=(1, 3)))
-
-    def slid(self, weight: Floats) -> tuple[Floats, Floats]:
-        """How far (S, C) [m] each crease slides to be nearest to its edges, counted with weights (S, M) [1/px²], and
-        how well that is known (S, C) [1/m²]."""
-        known = self.along(weight * self.slides**2) + 1 / _ROUNDED_M**2
-        return -self.along(weight * self.slides * self.rows.residual_px) / known, known
-
-    def at_edges(self) -> _Rows:
-        """The rows after each crease has slid."""
-        by_m, _ = self.slid(self.rows.weight * self.rows.length_px / (ARC_PX * _ARC_SIGMA_PX**2))
-        moved_px = self.slides * np.tile(np.repeat(by_m, CREASE_POINTS, axis=1), 2)
-        return self.rows._replace(residual_px=self.rows.residual_px + moved_px)
-
-    def equations(self, weight: Floats) -> tuple[Floats, Floats]:
-        """Normal matrices (S, P, P) and right-hand sides (S, P), how far each slides eliminated (Schur)."""
-        normal, right = _equations(self.rows, weight)
-        by_m, known = self.slid(weight)
-        shared = self.along((weight * self.slides)[..., None] * self.rows.jacobian)
-        normal -= (shared / known[..., None]).transpose(0, 2, 1) @ shared
-        return normal, right + (shared * by_m[..., None]).sum(axis=1)
-
-    def shown(self) -> Floats:
-        """The part (S,) of what is there that lies on edges; 1 where nothing is."""
-        expected = self.there.sum(axis=1)
-        found = (self.rows.on_edge() & self.there).sum(axis=1)
-        return np.where(expected > 0, found / np.maximum(expected, 1), 1.0)
+    def evidence(self, sigma_px: Floats) -> EdgeEvidence:
+        """What that says of them, if light moves arcs by so much (S,)."""
+        normal, right = self.outer.equations(self.outer.weights(self.scale_px, sigma_px))
+        more, more_right = self.inner.equations(self.slid.weights(self.scale_px, sigma_px))
+        return EdgeEvidence(normal + more, right + more_right, self.scale_px, self.shown, self.inner.shown())
 
 
-def edge_evidence(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, turn_rad: Floats = _STILL) -> EdgeEvidence:
+def edges_seen(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, turn_rad: Floats = _STILL) -> Seen:
     """What two rectified views show beside and across solids (S); turn_rad: (2,), how the right camera has turned.
 
     Where two faces meet parts are rounded, and it is a matter of the light where on the round the edge appears: each
@@ -118,31 +81,19 @@ def edge_evidence(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, turn
     slid = inner.at_edges()
     scale = _scale_px(outer, slid)
     shown = outer.on_edge().reshape(len(scale), 2, -1).mean(axis=2).min(axis=1)
-    sigma = _ARC_SIGMA_PX * np.maximum(1.0, scale / USUAL_PX) / np.maximum(shown, _LEAST_SHOWN) ** 2
-    normal, right = _equations(outer, _weights(outer, scale, sigma))
-    more, more_right = inner.equations(_weights(slid, scale, sigma))
-    return EdgeEvidence(normal + more, right + more_right, scale, shown, inner.shown())
+    in_views = (len(scale), 2, -1)
+    near = (outer.weight * outer.nearness(scale)).reshape(in_views)
+    arcs = arcs_of(outer.residual_px.reshape(in_views), near, outer.length_px.reshape(in_views).sum(axis=2))
+    return Seen(outer, inner, slid, scale, shown, arcs)
 
 
-def _equations(rows: _Rows, weight: Floats) -> tuple[Floats, Floats]:
-    """Normal matrices (S, P, P) and right-hand sides (S, P)."""
-    weighted = (rows.jacobian * weight[..., None]).transpose(0, 2, 1)
-    return weighted @ rows.jacobian, (weighted @ rows.residual_px[..., None])[..., 0]
-
-
-def _weights(rows: _Rows, scale_px: Floats, sigma_px: Floats) -> Floats:
-    """What each point (S, M) counts [1/px²]: as its part of an arc does, and less the more it lies off the rest."""
-    near = tukey(rows.residual_px, np.maximum(scale_px, LEAST_SCALE_PX)[:, None])
-    return np.asarray(rows.weight * near * rows.length_px / (ARC_PX * sigma_px[:, None] ** 2))
-
-
-def _scale_px(outer: _Rows, inner: _Rows) -> Floats:
+def _scale_px(outer: EdgeRows, inner: EdgeRows) -> Floats:
     residual = np.concatenate([outer.residual_px, inner.residual_px], axis=1)
     scale = robust_scale(residual, np.concatenate([outer.weight, inner.weight], axis=1))
     return np.where(np.isfinite(scale), scale, ON_EDGE_PX)
 
 
-def _silhouettes(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig) -> _Rows:
+def _silhouettes(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig) -> EdgeRows:
     outlines, *_ = edges_beside(corners, views, _POINTS)
     sight = Sight.of(outlines, rig)
     residual, jacobian = residuals(sight, solids, nearest_tangents(sight, solids))
@@ -152,7 +103,7 @@ def _silhouettes(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig:
     weight = sight.weight.reshape(residual.shape)
     by_turns = np.zeros((*residual.shape, 2))
     by_turns[:, _POINTS:] = _turning_px(sight.points[:, 1], sight.normals[:, 1], rig.focal_px)
-    return _Rows(residual, np.concatenate([jacobian, by_turns], axis=2), weight, length_px)
+    return EdgeRows(residual, np.concatenate([jacobian, by_turns], axis=2), weight, length_px)
 
 
 def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
@@ -161,14 +112,14 @@ def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
     return -focal_px * np.stack([dot(normals, moved) for moved in turning(points)], axis=-1)
 
 
-def _creases(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig) -> _Creases:
+def _creases(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig) -> CreaseRows:
     sides = [_creases_in(solids, corners[:, i], rig.eyes_m[i], view, i == 1) for i, view in enumerate(views)]
-    rows = _Rows(*(np.concatenate(each, axis=1) for each in zip(*(side.rows for side in sides))))
+    rows = EdgeRows(*(np.concatenate(each, axis=1) for each in zip(*(side.rows for side in sides))))
     slides, there = (np.concatenate(each, axis=1) for each in zip(*(side[1:] for side in sides)))
-    return _Creases(rows, slides, there)
+    return CreaseRows(rows, slides, there)
 
 
-def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, may_turn: bool) -> _Creases:
+def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, may_turn: bool) -> CreaseRows:
     """Those of one view, each measured across the crease."""
     inner = creases(solids, eye_m[None])
     own = inner.unit[:, 0] * solids.half_m[:, None, solids.kind.axes]
@@ -188,9 +139,9 @@ def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, m
     sizes = (own * turned) @ (solids.kind.shares / solids.half_m[:, None])
     by_turns = _turning_px(image, normals, focal) * may_turn
     jacobian = np.concatenate([across, turns, sizes, by_turns], axis=2)
-    rows = _Rows(offset, jacobian, weight, _spacing_px(image * focal))
+    rows = EdgeRows(offset, jacobian, weight, _spacing_px(image * focal))
     clear = seen & (inside(image, corners) * focal > _CLEAR_PX)
-    return _Creases(rows, dot(turned, inner.slide[:, 0]), clear)
+    return CreaseRows(rows, dot(turned, inner.slide[:, 0]), clear)
 
 
 def _measured(view: EdgeMap, points_px: Floats, normals: Floats, seen: Bools) -> tuple[Floats, Floats]:

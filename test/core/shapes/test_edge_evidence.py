@@ -11,7 +11,7 @@ from rendered_solids import PARTS, PLACED, RIG, rectified, solid_of
 from rendering import Scene
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, edge_evidence
+from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, edges_seen
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.solids import Solids
 
@@ -24,7 +24,8 @@ def images(empty: bool = False) -> Images:
 
 
 def evidence(solid: Solids, empty: bool = False) -> EdgeEvidence:
-    return edge_evidence(solid, images(empty).maps, RIG)
+    seen = edges_seen(solid, images(empty).maps, RIG)
+    return seen.evidence(seen.usual_sigma_px)
 
 
 def step(seen: EdgeEvidence) -> Floats:
