@@ -83,7 +83,8 @@ def edges_seen(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, turn_ra
     shown = outer.on_edge().reshape(len(scale), 2, -1).mean(axis=2).min(axis=1)
     in_views = (len(scale), 2, -1)
     near = (outer.weight * outer.nearness(scale)).reshape(in_views)
-    arcs = arcs_of(outer.residual_px.reshape(in_views), near, outer.length_px.reshape(in_views).sum(axis=2))
+    length_px = outer.length_px.reshape(in_views).sum(axis=2)
+    arcs = arcs_of(outer.residual_px.reshape(in_views), near, length_px, outer.jacobian.shape[2] - 2)
     return Seen(outer, inner, slid, scale, shown, arcs)
 
 

@@ -12,12 +12,13 @@ from stereo_pick.core.shapes.arcs import Arcs, arc_sigmas_px, arcs_of
 from stereo_pick.core.shapes.evidence import ARC_PX
 
 POINTS = 120
+UNKNOWNS = 7
 
 
 def arcs(residual_px: Floats, trust: Floats | None = None, length_px: float = 12 * ARC_PX) -> Arcs:
     """Of one solid, with residuals (2, POINTS)."""
     everywhere = np.ones((1, 2, POINTS)) if trust is None else trust[None]
-    return arcs_of(residual_px[None], everywhere, np.full((1, 2), length_px))
+    return arcs_of(residual_px[None], everywhere, np.full((1, 2), length_px), UNKNOWNS)
 
 
 def sigma_px(*solids: Arcs, shown: float = 1.0) -> Floats:
@@ -70,11 +71,17 @@ def test_what_lies_off_in_a_scene_makes_all_of_it_less_sure() -> None:
 
 def test_of_many_arcs_what_is_usual_says_little() -> None:
     """From arcs moved by the same light, its sigma is the same, whatever the solids are like."""
-    many = Arcs(np.full(50, 24 * 0.1**2), np.full(50, 24.0))
-    few = Arcs(np.array([6 * 0.1**2]), np.array([6.0]))
+    many = Arcs(np.full(50, 24 * 0.1**2), np.full(50, 24.0), UNKNOWNS)
+    few = Arcs(np.array([6 * 0.1**2]), np.array([6.0]), UNKNOWNS)
     sigmas = sigma_px(many, few)
     assert sigmas == pytest.approx(np.full(51, sigmas[0]), rel=0.01)
-    assert sigmas[0] == pytest.approx(2 * sigma_px(Arcs(many.squares_px2 / 4, many.number), few)[0], rel=0.02)
+    assert sigmas[0] == pytest.approx(2 * sigma_px(Arcs(many.squares_px2 / 4, many.number, UNKNOWNS), few)[0], rel=0.02)
+
+
+def test_what_can_go_with_its_edges_is_less_sure() -> None:
+    """A ball has no axes to turn about: what its arcs lie off it is most of what light has moved them by."""
+    ball = scattered(0.1)._replace(unknowns=4)
+    assert sigma_px(ball) == pytest.approx(4 / UNKNOWNS * sigma_px(scattered(0.1)))
 
 
 def test_what_shows_half_of_itself_is_a_quarter_as_sure() -> None:
