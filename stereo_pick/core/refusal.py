@@ -33,6 +33,7 @@ REASONS = {
     "too_dark": "the view has so little light that no object could be told from its background",
     "saturated": "over-exposed: what is as bright as a pixel can be has no edges",
     "out_of_focus": "not even the sharpest part of its outline is sharp enough to be placed",
+    "uneven": "the background varies so much that most objects could not be told from it",
 }
 """Every reason for a refusal, and what it means."""
 

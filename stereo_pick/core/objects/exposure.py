@@ -1,6 +1,6 @@
-"""Views that cannot show their objects, because they are too dark or saturated.
+"""Views that cannot show their objects, because they are too dark, saturated, or uneven.
 
-Both reasons follow from what an object must do to be seen: differ from the background by a least contrast.
+All these reasons follow from what an object must do to be seen: differ from the background by a least contrast.
 """
 
 from __future__ import annotations
@@ -17,16 +17,19 @@ from stereo_pick.core.objects.view import View
 
 CLIPPED = 254  # grey level: one less than the highest, because rectification interpolates
 
+_WHITE = 255.0
 _BLACK = 16.0  # the highest grey level that cameras give for no light at all (ITU-R BT.601)
+_MOST = 0.5  # of all grey levels
 _BESIDE_PX = 4  # how far from the outline the background beside it is looked at
 _LOST = 0.1  # part of an object's pixels that may be clipped where its background is: small high lights
 
 
 def view_fault(view: View, blobs: Sequence[Blob], least_contrast: float) -> str:
-    """Why a view that shows no object may yet hold some: `too_dark`, `saturated`, or nothing.
+    """Why a view that shows no object may yet hold some: `too_dark`, `saturated`, `uneven`, or nothing.
 
     too_dark: even what is wholly black would stand out from the background by less than least_contrast [grey
-    levels]. saturated: more than half of the view is as bright as it can get, and so would be brighter objects.
+    levels]. saturated: more than half of the view is as bright as it can get, and so would be brighter objects. uneven:
+    objects of most grey levels would stand out by less.
     """
     if any(blob.fault != "faint" for blob in blobs):
         return ""
@@ -36,6 +39,8 @@ def view_fault(view: View, blobs: Sequence[Blob], least_contrast: float) -> str:
     level = float(np.median(grey))
     if level >= CLIPPED:
         return "saturated"
+    if min(level + least_contrast, _WHITE) - max(level - least_contrast, 0.0) > _MOST * _WHITE:
+        return "uneven"
     return "too_dark" if level - min(_BLACK, float(grey.min())) < least_contrast else ""
 
 

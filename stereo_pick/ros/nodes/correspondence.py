@@ -30,6 +30,7 @@ _REMEDIES = {
     "too_dark": "; give more light, or expose longer",
     "saturated": "; expose for a shorter time, or close the iris",
     "out_of_focus": "; focus the lens on the work surface, or close the iris",
+    "uneven": "; learn it from an empty view (segmentation.background_file), or put down plain cloth",
 }
 
 

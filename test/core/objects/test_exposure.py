@@ -10,7 +10,7 @@ from rigs import RIGS, SIZE_PX
 
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.correspondence.unseen import unseen
-from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.frames import RectifiedPair, StereoFrame
 from stereo_pick.core.objects import Blob, Blobs, Detector
 from stereo_pick.core.objects.exposure import with_saturation
 from stereo_pick.core.pipeline import Pipeline, Result, Steps
@@ -86,6 +86,29 @@ def test_an_empty_table_in_good_light_has_no_fault(level: float) -> None:
 @pytest.mark.parametrize(("level", "fault"), [(2.0, "too_dark"), (300.0, "saturated")])
 def test_an_empty_table_that_could_hide_objects_has_one(level: float, fault: str) -> None:
     assert Detector().detect(pair_of(np.full(SIZE_PX[::-1], level))).view_faults == (fault, fault)
+
+
+def tiles(low: float, high: float, size_px: int = 40) -> Floats:
+    """Square tiles of many grey levels."""
+    rows, columns = (-(-length // size_px) for length in SIZE_PX[::-1])
+    grey = np.random.default_rng(1).uniform(low, high, (rows, columns))
+    return np.kron(grey, np.ones((size_px, size_px)))[: SIZE_PX[1], : SIZE_PX[0]]
+
+
+def test_a_table_of_bold_tiles_is_uneven_and_no_empty_one() -> None:
+    assert Detector().detect(pair_of(tiles(100, 180))).view_faults == ("uneven", "uneven")
+    result = Pipeline(PARALLEL, Steps()).run(StereoFrame(*(grey_image(tiles(100, 180), seed=seed) for seed in (1, 2))))
+    assert reasons(result) == {"uneven": 2}
+
+
+def test_tiles_on_which_most_objects_would_be_seen_have_no_fault() -> None:
+    assert Detector().detect(pair_of(tiles(130, 150))).view_faults == ("", "")
+
+
+def test_a_table_on_which_a_part_is_seen_is_not_refused_as_uneven() -> None:
+    light = discs([(300.0, 240.0, 30.0)], surface=5.0, background=tiles(130, 180))
+    blobs = Detector().detect(pair_of(light))
+    assert blobs.view_faults == ("", "") and len(blobs.left) == 1
 
 
 def white_with_grey_disc(top: float) -> tuple[Image, Blob]:
