@@ -6,6 +6,8 @@ solid explains both outlines. Tubes are often taped, sawn or painted: they need 
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
@@ -20,17 +22,18 @@ from stereo_pick.core.shapes.solids import Solids
 
 _ROUGH = 1 / 50  # of its diameter by which a tube's outlines may lie off it ...
 _MOST = 2 / 3  # ... of their points
+_LEAST_AT_END = 4  # points, in both views
 _MORE_ROUNDS = 12  # after the search, which ends some micrometres short, and not always at the same ones
 
 
 def tube_of(images: Images, outlines: Pair) -> Supported | None:
-    """The tube, as a cylinder, that explains most of an object's outlines in both views; None where it does not, or
-    where another solid explains more of them. Its centre is as unsure as it is that it is no other solid."""
+    """The tube, as a cylinder, that explains most of an object's outlines in both views; None where it does not, where
+    an end does not show, or where another solid explains more. Its centre is as unsure as it is that it is no other."""
     sight = Sight.of([outlines], images.rig).without_corners()
     tube = _seen_as(sight, images.of_kind(outlines, TUBE)[0])
     rough_px = max(_ROUGH * _width_px(tube.solids, sight.focal_px), NOISE_PX)
-    share = _share(tube, rough_px)
-    if share < _MOST or not determined(tube, centre_covariance(tube, NOISE_PX))[0]:
+    share, own = _share(tube, rough_px), _own_edges(sight, tube)
+    if share < _MOST or not _shows_both_ends(own) or not determined(own, centre_covariance(own, NOISE_PX))[0]:
         return None
     others = [_seen_as(sight, images.of_kind(outlines, kind)[0]) for kind in (CYLINDER, BOX)]
     shares = [_share(each, rough_px) for each in others]
@@ -40,6 +43,19 @@ def tube_of(images: Images, outlines: Pair) -> Supported | None:
     for _ in range(_MORE_ROUNDS):
         tube = refine(sight, tube, rounds=1)
     return _as_cylinder(tube, share, rivals)
+
+
+def _own_edges(sight: Sight, tube: Fitted) -> Fitted:
+    """Without what ends where something else begins: that is no end of the tube."""
+    return replace(tube, weight=sight.weight.reshape(tube.weight.shape))
+
+
+def _shows_both_ends(own: Fitted) -> bool:
+    """Whether several points tell of each end: they move as the tube gets longer, and both ways."""
+    by_place, by_length = own.jacobian[0, :, :3] @ own.solids.rotation[0, :, 2], own.jacobian[0, :, -1]
+    at_ends = (own.weight[0] > 0) & (np.abs(by_length) > np.abs(by_length).max() / 2)
+    forward = at_ends & (by_place * by_length > 0)
+    return bool(min(forward.sum(), (at_ends & ~forward).sum()) >= _LEAST_AT_END)
 
 
 def _seen_as(sight: Sight, solid: Solids) -> Fitted:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -10,6 +12,7 @@ from outlines import blank_pair
 from rigs import RIGS, rotation
 from solid_outlines import Part, contours_px, disturbed, side_contours_px
 
+from stereo_pick.core.camera import Camera
 from stereo_pick.core.shapes import Outline, fit_solid
 from stereo_pick.core.shapes.fitting import Pair
 from stereo_pick.core.shapes.hypotheses import Images
@@ -63,6 +66,32 @@ def test_a_rough_tube_is_as_unsure_as_it_is_rough(turn: float) -> None:
         squares.append(float(off_m @ np.linalg.solve(found.fit.covariance + found.doubt, off_m)))
         assert np.linalg.norm(off_m) < 4e-3
     assert np.median(squares) < 7.81
+
+
+def with_hidden_end(part: Part) -> Pair:
+    """Its outlines, cut straight and across near the one end by something else."""
+    left, right = (_cut(side, part, camera) for side, camera in zip(sides(part), (RIG.left, RIG.right)))
+    return left, right
+
+
+def _cut(side: Outline, part: Part, camera: Camera) -> Outline:
+    ends = part.centre_m + part.half_m[1] * np.outer([-1, 1], part.rotation[:, 2])
+    seen = np.c_[ends, np.ones(2)] @ camera.P.T
+    first, last = seen[:, :2] / seen[:, 2:]
+    gone = (side.points_px - first) @ (last - first) > 0.8 * (last - first) @ (last - first)
+    before = np.flatnonzero(~gone & np.roll(gone, -1))[0]
+    chord = (before + 1 + np.arange(gone.sum())) % len(gone)
+    begin, end = side.points_px[before], side.points_px[(chord[-1] + 1) % len(gone)]
+    points_px, weight = side.points_px.copy(), side.weight.copy()
+    points_px[chord] = begin + np.linspace(0, 1, len(chord) + 2)[1:-1, None] * (end - begin)
+    weight[chord] = 0
+    return replace(side, points_px=points_px, weight=weight)
+
+
+@pytest.mark.parametrize("tilt", [0.3, 0.0, -0.3])
+@pytest.mark.parametrize("turn", [0.1, 0.8, -0.6])
+def test_where_one_is_whose_end_is_hidden_is_not_known(turn: float, tilt: float) -> None:
+    assert tube_of(Images(blank_pair(RIG)), with_hidden_end(tube(turn, tilt))) is None
 
 
 @pytest.mark.parametrize("kind, half_m", [("box", (0.015, 0.02, 0.034)), ("sphere", (0.02,))])
