@@ -124,19 +124,23 @@ def adjusted(
         plane = _tilted(plane, step) if plane else None
         if max(_farthest(*each) for each in zip(groups, steps)) < _HARDLY:
             break
-    # weights must be the same from round to round; how sure all is, the arcs of this scene say
-    seen = _as_scattered(edges)
-    systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
-    _, stated = _solved(systems, prior, moved_by)
-    found = [_results(*each, stated, plane) for each in zip(groups, seen, systems)]
+    found = _as_sure_as_scattered(groups, edges, plane, prior)
     by_row = {row: each for group, several in zip(groups, found) for row, each in zip(group.rows.tolist(), several)}
     return [by_row[row] for row in range(len(fits))], _as_table(plane, covariance) if plane else None
 
 
-def _as_scattered(seen: Sequence[Seen]) -> list[EdgeEvidence]:
-    """What edges say, each as sure as the arcs of the scene lie on their solids."""
-    sigmas_px = arc_sigmas_px([each.arcs for each in seen], [each.shown for each in seen])
-    return [each.evidence(sigma_px) for each, sigma_px in zip(seen, sigmas_px)]
+def _as_sure_as_scattered(
+    groups: Sequence[_Group], edges: Sequence[Seen], plane: _Plane | None, prior: Floats
+) -> list[list[Adjusted]]:
+    """The solids of each group where they are, as sure as the arcs of the scene lie on them.
+
+    These are no weights to adjust by: they would change from round to round.
+    """
+    sigmas_px = arc_sigmas_px([each.arcs for each in edges], [each.shown for each in edges])
+    seen = [each.evidence(sigma_px) for each, sigma_px in zip(edges, sigmas_px)]
+    systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
+    _, covariance = _solved(systems, prior, np.zeros(5))
+    return [_results(*each, covariance, plane) for each in zip(groups, seen, systems)]
 
 
 def _groups(fits: Sequence[SolidFit], table: Table | None) -> list[_Group]:

@@ -31,7 +31,7 @@ def arcs_of(residual_px: Floats, trust: Floats, length_px: Floats, unknowns: int
     """The arcs of silhouettes in both views of solids: of residuals (S, 2, N), trusted so far (S, 2, N), along such
     lengths (S, 2)."""
     points = residual_px.shape[-1]
-    several = np.maximum(np.round(length_px / ARC_PX), 1)
+    several = np.clip(np.round(length_px / ARC_PX), 1, points)
     arc = (np.arange(points) * several[..., None] // points).astype(int)
     place = (np.arange(length_px.size)[:, None] * points + arc.reshape(-1, points)).ravel()
     sums = [

@@ -41,8 +41,8 @@ def test_what_changes_within_an_arc_moves_none() -> None:
     assert found.number[0] == 24 and found.squares_px2[0] == pytest.approx(0.0, abs=1e-20)
 
 
-@given(length_px=st.floats(30, 3000))
-def test_there_are_as_many_as_fit_the_silhouettes(length_px: float) -> None:
+@given(length_px=st.floats(30, 9000))
+def test_there_are_as_many_as_fit_the_silhouettes_and_no_more_than_points(length_px: float) -> None:
     found = arcs(np.full((2, POINTS), 0.1), length_px=length_px)
     assert found.number[0] == 2 * min(max(1, round(length_px / ARC_PX)), POINTS)
     assert found.squares_px2[0] == pytest.approx(found.number[0] * 0.1**2)
