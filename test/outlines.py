@@ -60,6 +60,13 @@ def discs(places: Sequence[Disc], surface: float = 200.0, background: float | Fl
     return light
 
 
+def tiles(low: float, high: float, size_px: int = 40) -> Floats:
+    """Square tiles of many grey levels."""
+    rows, columns = (-(-length // size_px) for length in SIZE_PX[::-1])
+    grey = np.random.default_rng(1).uniform(low, high, (rows, columns))
+    return np.kron(grey, np.ones((size_px, size_px)))[: SIZE_PX[1], : SIZE_PX[0]]
+
+
 def pattern(seed: int = 1, contrast: float = 40.0) -> Callable[[Floats, Floats], Floats]:
     """A smooth texture over the plane [px], known at every point: waves of 5 to 15 px."""
     rng = np.random.default_rng(seed)

@@ -116,7 +116,7 @@ def _is_notched(blobs: BlobPair, max_concavity: float) -> bool:
 def _readings(blobs: BlobPair, outlines: Pair) -> list[Pair]:
     """The outlines trusted as far as usual, where their edges are surely sharp only, and where they are in no notch:
     what is lit of a body may have one, its silhouette has none. What of it can be fitted, each once."""
-    several = [outlines, trusted_outlines(blobs, _SURELY_SHARP), trusted_outlines(blobs, SHARP, convex=True)]
+    several = [outlines, trusted_outlines(blobs, _SURELY_SHARP), convex_outlines(blobs)]
     different: list[Pair] = []
     for pair in several:
         if not any(_is_the_same(pair, other) for other in different) and can_be_fitted(pair):
@@ -134,6 +134,11 @@ def trusted_outlines(blobs: BlobPair, sharp: float, *, convex: bool = False) -> 
         Outline.from_contour(b.contour_px, (b.sharpness >= sharp) & (b.on_hull if convex else True)) for b in blobs
     )
     return left, right
+
+
+def convex_outlines(blobs: BlobPair) -> Pair:
+    """Those of both views, trusted where they are as sharp as usual, and in no notch."""
+    return trusted_outlines(blobs, SHARP, convex=True)
 
 
 def _unless_flat(rig: StereoRig, blobs: BlobPair, located: Located) -> Located:

@@ -7,17 +7,16 @@ from dataclasses import dataclass, replace
 
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.frontier import reaches_down
-from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
+from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_each_place
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.below_faces import tables_below
 from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables, surely_on
-from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
+from stereo_pick.core.shapes.fitting import can_be_fitted
 from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images, Supported
 from stereo_pick.core.shapes.standing import standing, standing_alike
 from stereo_pick.core.shapes.table import Table
@@ -74,7 +73,7 @@ class SecondLook:
 
     def _bodies(self) -> list[SolidFit]:
         """The solids, on whatever table, that the edges of both views support for the pairs."""
-        readings = [each for each in map(_convex_outlines, self.pairs) if can_be_fitted(each)]
+        readings = [each for each in map(convex_outlines, self.pairs) if can_be_fitted(each)]
         self.images.look_at(readings)
         found = [self.images.best([each]) for each in readings]
         return [each.fit for each in found if each is not None and not is_flat(each.fit, TOP)]
@@ -152,10 +151,10 @@ class SecondLook:
 
     def _alike_on(self, table: Table, rows: Sequence[Row]) -> list[Supported | None]:
         fits = [where.fit for _, where in rows if where.fit is not None]
-        return standing_alike(self.images, [_convex_outlines(blobs) for blobs, _ in rows], fits, table)
+        return standing_alike(self.images, [convex_outlines(blobs) for blobs, _ in rows], fits, table)
 
     def _on(self, table: Table, pairs: Sequence[BlobPair]) -> list[Supported | None]:
-        found = standing(self.images, [_convex_outlines(blobs) for blobs in pairs], table)
+        found = standing(self.images, [convex_outlines(blobs) for blobs in pairs], table)
         return [None if each is None or (is_flat(each.fit) and not self.flat_parts) else each for each in found]
 
 
@@ -166,10 +165,6 @@ def _each_once(found: Sequence[SolidFit], fits: Sequence[SolidFit]) -> list[Soli
 
 def _stands_too(on_it: Supported, in_the_air: Supported, hangs: bool) -> bool:
     return on_it.support >= in_the_air.support - CHANCE or (hangs and on_it.is_exact)
-
-
-def _convex_outlines(blobs: BlobPair) -> Pair:
-    return trusted_outlines(blobs, SHARP, convex=True)
 
 
 def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple[float, float]) -> list[BlobPair]:

@@ -5,9 +5,8 @@ A lying cylinder and its shadow have the silhouette of a box. What they have not
 
 from __future__ import annotations
 
-from stereo_pick.core.correspondence.located import TOP, is_flat, trusted_outlines
+from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.position import Row, by_supported
-from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
@@ -36,8 +35,7 @@ def as_another(images: Images, row: Row, table: Table) -> tuple[Row, Adjusted] |
     """The same object as the solid on the table that the edges show clearly, if there is one: the one that was taken
     may have gone on to the end of a shadow, or stood on the table as it was supposed to be."""
     blobs, _ = row
-    outlines = trusted_outlines(blobs, SHARP, convex=True)
-    for each in exactly_standing(images, outlines, table):
+    for each in exactly_standing(images, convex_outlines(blobs), table):
         found = adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0]
         if found.is_creased and not found.is_astray:
             return (blobs, by_supported(images.rig, each)), found
@@ -55,7 +53,7 @@ def is_flat_after_all(row: Row, table: Table | None) -> bool:
 def _as_cylinder(images: Images, row: Row, table: Table | None) -> Row | None:
     """The same object as the cylinder that the edges support, if they do."""
     blobs, _ = row
-    outlines = trusted_outlines(blobs, SHARP, convex=True)
+    outlines = convex_outlines(blobs)
     if not can_be_fitted(outlines):
         return None
     nearest, _ = nearest_of_kind([outlines], images.rig, CYLINDER, table)[outlines, CYLINDER]

@@ -17,7 +17,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats, Ints
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.arcs import arc_sigmas_px
+from stereo_pick.core.shapes.arcs import arc_sigmas_px, usual_sigma_px
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, Seen, edges_seen
 from stereo_pick.core.shapes.edge_map import EdgeMap
@@ -113,7 +113,7 @@ def adjusted(
     moved_by = np.zeros(5)  # tilts and height of the table, turns of the right camera
     for round_ in range(_ROUNDS + 1):
         edges = [edges_seen(group.solids, views, rig, moved_by[3:]) for group in groups]
-        seen = [each.evidence(each.usual_sigma_px) for each in edges]
+        seen = [each.evidence(usual_sigma_px(each.scale_px, each.shown)) for each in edges]
         systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
         step, covariance = _solved(systems, prior, moved_by)
         if round_ == _ROUNDS:

@@ -11,7 +11,7 @@ from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.objects.edge_model import OFFSETS_PX, find_edges
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.sampling import sampled
-from stereo_pick.core.shapes.arcs import Arcs, arcs_of, usual_sigma_px
+from stereo_pick.core.shapes.arcs import Arcs, arcs_of
 from stereo_pick.core.shapes.creases import POINTS as CREASE_POINTS
 from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.edge_map import EdgeMap
@@ -56,11 +56,6 @@ class Seen(NamedTuple):
     scale_px: Floats
     shown: Floats
     arcs: Arcs
-
-    @property
-    def usual_sigma_px(self) -> Floats:
-        """By how much (S,) light moves arcs, as a rule."""
-        return usual_sigma_px(self.scale_px, self.shown)
 
     def evidence(self, sigma_px: Floats) -> EdgeEvidence:
         """What that says of them, if light moves arcs by so much (S,)."""

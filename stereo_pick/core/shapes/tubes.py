@@ -42,11 +42,11 @@ def tube_of(images: Images, outlines: Pair) -> Supported | None:
     rivals = [each.solids.centre_m[0] for each, much in zip(others, shares) if much > share - CHANCE]
     for _ in range(_MORE_ROUNDS):
         tube = refine(sight, tube, rounds=1)
-    return _as_cylinder(tube, share, rivals)
+    return _as_cylinder(tube, share, centre_covariance(_own_edges(sight, tube), NOISE_PX)[0], rivals)
 
 
 def _own_edges(sight: Sight, tube: Fitted) -> Fitted:
-    """Without what ends where something else begins: that is no end of the tube."""
+    """A tube as its own edges alone tell of it. Where something else begins, it need only reach so far."""
     return replace(tube, weight=sight.weight.reshape(tube.weight.shape))
 
 
@@ -73,9 +73,9 @@ def _share(found: Fitted, rough_px: float) -> float:
     return float(((on_it & known).sum(axis=1) / np.maximum(known.sum(axis=1), 1)).min())
 
 
-def _as_cylinder(tube: Fitted, share: float, rivals: list[Floats]) -> Supported:
+def _as_cylinder(tube: Fitted, share: float, covariance: Floats, rivals: list[Floats]) -> Supported:
     solids, residual_px = tube.solids, float(tube.scale_px()[0])
-    size_m, covariance = solids.size_m()[0], centre_covariance(tube, NOISE_PX)[0]
+    size_m = solids.size_m()[0]
     fit = SolidFit(CYLINDER.name, solids.centre_m[0], solids.rotation[0], size_m, residual_px, covariance)
     off_m = max((each - fit.centre_m for each in rivals), key=lambda off: float(off @ off), default=np.zeros(3))
     return Supported(fit, share, residual_px, True, np.outer(off_m, off_m))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from outlines import PARALLEL, Disc, disc, discs, grey_image
+from outlines import PARALLEL, Disc, disc, discs, grey_image, tiles
 from rendering import Scene, Sensor, balls, render
 from rigs import RIGS, SIZE_PX
 
@@ -86,13 +86,6 @@ def test_an_empty_table_in_good_light_has_no_fault(level: float) -> None:
 @pytest.mark.parametrize(("level", "fault"), [(2.0, "too_dark"), (300.0, "saturated")])
 def test_an_empty_table_that_could_hide_objects_has_one(level: float, fault: str) -> None:
     assert Detector().detect(pair_of(np.full(SIZE_PX[::-1], level))).view_faults == (fault, fault)
-
-
-def tiles(low: float, high: float, size_px: int = 40) -> Floats:
-    """Square tiles of many grey levels."""
-    rows, columns = (-(-length // size_px) for length in SIZE_PX[::-1])
-    grey = np.random.default_rng(1).uniform(low, high, (rows, columns))
-    return np.kron(grey, np.ones((size_px, size_px)))[: SIZE_PX[1], : SIZE_PX[0]]
 
 
 def test_a_table_of_bold_tiles_is_uneven_and_no_empty_one() -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from families import staged
-from outlines import PARALLEL, Disc, discs, grey_image
+from outlines import PARALLEL, Disc, discs, grey_image, tiles
 from rendering import Carton, Cylinder, Edge, Planks, Scene, Sensor, balls, render
 from rigs import RIGS, SIZE_PX
 
@@ -95,6 +95,16 @@ def test_where_the_surface_flickers_more_is_asked_of_an_object(tmp_path: Path) -
     still = detector.detect(pair_of(60 + 30 * discs([(120.0, 100.0, 40.0)], 1.0, 0.0), 50))
     assert len(still.left) == 1
     assert not detector.detect(pair_of(60 + 30 * lamp, 51)).left
+
+
+def test_parts_that_bold_tiles_would_hide_are_found_once_these_are_learned(tmp_path: Path) -> None:
+    table = tiles(100, 180)
+    save_background(tmp_path / "tiles.npz", learned_from(table))
+    pair = pair_of(discs(PLACES, surface=215.0, background=table), seed=77)
+    assert Detector().detect(pair).view_faults == ("uneven", "uneven")
+    blobs = Detector(background_file=str(tmp_path / "tiles.npz")).detect(pair)
+    assert blobs.view_faults == ("", "")
+    np.testing.assert_allclose(sound_px(blobs.left), np.array(PLACES)[:, :2], atol=0.3)
 
 
 def sound_px(blobs: tuple[Blob, ...]) -> Floats:

@@ -11,6 +11,7 @@ from rendered_solids import PARTS, PLACED, RIG, rectified, solid_of
 from rendering import Scene
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.arcs import usual_sigma_px
 from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, edges_seen
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.solids import Solids
@@ -25,7 +26,7 @@ def images(empty: bool = False) -> Images:
 
 def evidence(solid: Solids, empty: bool = False) -> EdgeEvidence:
     seen = edges_seen(solid, images(empty).maps, RIG)
-    return seen.evidence(seen.usual_sigma_px)
+    return seen.evidence(usual_sigma_px(seen.scale_px, seen.shown))
 
 
 def step(seen: EdgeEvidence) -> Floats:
