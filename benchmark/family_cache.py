@@ -14,7 +14,8 @@ from rendering import Truth
 from stereo_pick.core.frames import StereoFrame
 
 _HERE = Path(__file__).parent
-_SOURCES = (*sorted((_HERE / "rendering").glob("*.py")), *(_HERE / f"{n}.py" for n in ("families", "parts", "placing")))
+_OWN = ("families", "staging", "parts", "placing")
+_SOURCES = (*sorted((_HERE / "rendering").glob("*.py")), *(_HERE / f"{name}.py" for name in _OWN))
 
 
 def taken(family: str, seed: int, folder: Path | None) -> tuple[str, StereoFrame, Truth]:

@@ -39,6 +39,12 @@ def tube(random: Random, albedo: float, scale: float = 1.0, **look: float) -> So
     return Tube(0, 0, (diameter, diameter, length), yaw(random), albedo, lying=lying, bore=0.8, **look)
 
 
+def footprint(random: Random, albedo: float) -> Solid:
+    """Where a label lies."""
+    length, ratio = random.uniform(0.006, 0.06), random.uniform(0.4, 1.0)
+    return Box(0, 0, (length, length * ratio, 0.0), yaw(random), albedo * random.uniform(0.8, 1.15))
+
+
 MIXED = (cylinder, lying_cylinder, box, sphere, hex_prism)
 
 

@@ -8,7 +8,7 @@ from rendering.lamps import Lamp, lamp_at
 from rendering.scene import Scene, table
 from rendering.sensor import CLEAN, Sensor
 from rendering.solids import Box, Cylinder, HexPrism, Solid, Sphere, Tube, balls, hex_prism_size
-from rendering.tabletop import Carton, Edge, Paint, Planks
+from rendering.tabletop import Carton, Edge, Label, Paint, Planks
 from rendering.truth import TrueObject, Truth, truth_of
 from rendering.view import View, view
 from stereo_pick.core.frames import StereoFrame
@@ -16,8 +16,8 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.transform import Transform
 
 __all__ = [
-    "CLEAN", "Box", "Carton", "Cylinder", "Edge", "HexPrism", "Lamp", "Paint", "Planks", "Scene", "Sensor", "Solid",
-    "Sphere", "TrueObject", "Truth", "Tube", "View", "balls", "hex_prism_size", "lamp_at", "render",
+    "CLEAN", "Box", "Carton", "Cylinder", "Edge", "HexPrism", "Label", "Lamp", "Paint", "Planks", "Scene", "Sensor",
+    "Solid", "Sphere", "TrueObject", "Truth", "Tube", "View", "balls", "hex_prism_size", "lamp_at", "render",
     "render_with_truth", "table", "views_of",
 ]  # fmt: skip
 

@@ -63,6 +63,26 @@ class Carton(Paint):
 
 
 @dataclass(frozen=True)
+class Label(Paint):
+    """A rectangle, or an ellipse, of one grey."""
+
+    x_m: float
+    y_m: float
+    length_m: float
+    width_m: float
+    yaw_rad: float
+    albedo: float
+    is_round: bool = False
+
+    def over(self, xy_m: Floats, albedo: Floats) -> Floats:
+        c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
+        moved = xy_m - (self.x_m, self.y_m)
+        along, across = np.abs(moved @ (c, s)) * 2 / self.length_m, np.abs(moved @ (-s, c)) * 2 / self.width_m
+        reach = np.hypot(along, across) if self.is_round else np.maximum(along, across)
+        return np.where(reach < 1, self.albedo, albedo)
+
+
+@dataclass(frozen=True)
 class Edge(Paint):
     """The table ends `distance_m` from its origin in a direction; what lies beyond shows another grey."""
 

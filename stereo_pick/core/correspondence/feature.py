@@ -15,6 +15,7 @@ from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.other_polarity import joined
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
+from stereo_pick.core.correspondence.prints import prints_among
 from stereo_pick.core.correspondence.reading import Reader, Reading
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.similarity import Similarity
@@ -129,9 +130,11 @@ class Feature(Method):
         together = adjusted_together(images, found.kept, found.table, is_known, self.flat_parts)
         table = together.table
         normal = table.normal if table else common_normal([where.fit for _, where in together.kept])
-        kept, unknown = self._of_known_reference(together.kept, normal)
+        prints = [] if self.flat_parts else prints_among(together.kept, rig, table, is_known)
+        kept, unknown = self._of_known_reference([row for row in together.kept if row not in prints], normal)
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
-        unread = found.unread + together.refused + [Unread("no_solid", *each) for each, _ in unknown]
+        unread = found.unread + together.refused + [Unread("flat", *each) for each, _ in prints]
+        unread += [Unread("no_solid", *each) for each, _ in unknown]
         sure, unsure = by_certainty(kept, unread, rig, most)
         sure.sort(key=lambda row: float(row[1].left_px[0]))
         matches = [self._match(rig, left, where, normal) for (left, _), where in sure]

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stereo_pick.core.correspondence.one_face import shows_one_face
+from stereo_pick.core.correspondence.one_plane import shows_one_face
 from stereo_pick.core.correspondence.position import (
     BlobPair,
     Located,

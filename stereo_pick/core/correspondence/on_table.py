@@ -109,6 +109,9 @@ class SecondLook:
         bodies, open_ = _divided(unsure, lambda where: _stands(where, table) or _hangs(where, table))
         unsure = bodies + open_
         standing_there = self._alike_on(table, bodies)
+        hanging = [i for i, (_, where) in enumerate(bodies) if standing_there[i] is None and not _stands(where, table)]
+        for i, other in zip(hanging, self._on(table, [bodies[i][0] for i in hanging])):
+            standing_there[i] = other
         standing_there += self._on(table, [*(blobs for blobs, _ in open_), *self.pairs])
         without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(unsure, standing_there)])
         for (blobs, where), on_it, in_the_air in zip(unsure, standing_there, without):
@@ -164,7 +167,7 @@ def _each_once(found: Sequence[SolidFit], fits: Sequence[SolidFit]) -> list[Soli
 
 
 def _stands_too(on_it: Supported, in_the_air: Supported, hangs: bool) -> bool:
-    return on_it.support >= in_the_air.support - CHANCE or (hangs and on_it.is_exact)
+    return on_it.support >= in_the_air.support - CHANCE or hangs
 
 
 def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple[float, float]) -> list[BlobPair]:

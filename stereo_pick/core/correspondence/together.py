@@ -30,7 +30,7 @@ from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
-_WELL_CREASED = 1 / 2  # of its creases without which an object is in doubt ...
+_WELL_SEEN = 1 / 2  # of its silhouette and its creases, with less of which an object is in doubt ...
 _DOUBT = 0.05  # ... by one sigma of this part of its size
 _HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
 _BEYOND = 0.05  # of an outline, sharp and clear of the solid, from which the object is more than that ...
@@ -97,24 +97,28 @@ def _looked_for_again(
 
 
 def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row:
-    """Where the solid is; where many of its creases do not show, it may be longer or shorter than it seems."""
+    """Where the solid is; where much of its silhouette and of its creases does not show, it may be longer or shorter than
+    it seems."""
     (blobs, where), fit = row, found.fit
-    doubt = where.doubt + (_as_if_it_stood(fit, table, images.rig) if table else 0.0)
+    doubt = where.doubt + (_as_if_it_stood(found, table, images.rig) if table else 0.0)
     if _goes_on_beyond(blobs, fit, images):
         doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
-    if found.creased < _WELL_CREASED and (isinstance(KINDS[fit.kind], Prism) or found.shown < WELL_SHOWN):
+    if found.shown * found.creased < _WELL_SEEN and (isinstance(KINDS[fit.kind], Prism) or found.shown < WELL_SHOWN):
         doubt = doubt + _of_size(fit)
     return blobs, by_adjusted(images.rig, where, fit, doubt)
 
 
-def _as_if_it_stood(fit: SolidFit, table: Table, rig: StereoRig) -> Floats:
-    """Covariance (3, 3) [m²] from where it hangs, a little above the table, to where another solid that is seen alike
-    would stand.
+def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
+    """Covariance (3, 3) [m²] from where it hangs above the table to where another solid that is seen alike would stand.
 
-    Nothing hangs in the air, and what lies on something else is higher up than a part of its own size.
+    Nothing hangs in the air, and what lies on something else is higher up than a part of its own size, and shows by its
+    creases what it is.
     """
+    fit = found.fit
     height_m = float(table.under(fit.solid)[0][0])
-    if stands_on(table, fit) or not 0 < height_m < _HANGS * float(fit.size_m.min()):
+    if stands_on(table, fit) or height_m < 0:
+        return np.zeros((3, 3))
+    if height_m > _HANGS * float(fit.size_m.min()) and found.is_creased:
         return np.zeros((3, 3))
     ahead = fit.centre_m - rig.eyes_m.mean(axis=0)
     down_m = -ahead * height_m / float(table.normal @ ahead)

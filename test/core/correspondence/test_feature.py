@@ -133,7 +133,7 @@ def test_who_allows_every_outline_gets_a_notched_part_located(max_concavity: flo
     blobs = Detector(max_concavity=max_concavity).detect(RectifiedPair(views[1], views[0], PARALLEL))
     whole = [blob for blob in blobs.left if blob.concavity > 0.15]
     assert len(whole) == 1
-    found = Feature(max_sigma_of_width=10).match(RectifiedPair(views[1], views[0], PARALLEL), blobs)
+    found = Feature(max_sigma_of_width=10, flat_parts=True).match(RectifiedPair(views[1], views[0], PARALLEL), blobs)
     assert sum(extent is None for extent in found.extents) == count
 
 

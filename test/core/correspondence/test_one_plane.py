@@ -1,4 +1,4 @@
-"""Which pairs of outlines could be one flat face: exact outlines of plates and solids."""
+"""Which outlines could be those of flat faces, and on which plane: exact ones of plates and solids."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from rigs import RIGS
 from solid_outlines import contour_px
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.one_face import shows_one_face
+from stereo_pick.core.correspondence.one_plane import Sides, common_plane, height_above, shows_one_face
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.table import Table
 
 ANGLE = np.linspace(0, 2 * np.pi, 90, endpoint=False)
 FACES = {
@@ -63,3 +64,23 @@ def test_a_body_is_none(name: str, elevation_deg: float, rig: str) -> None:
 def test_what_is_a_few_rows_high_tells_nothing() -> None:
     flat = FACES["round"] * (1, 0.08, 1)
     assert not shows_one_face(*shown(RIGS["parallel"], flat + (0.0, 0.0, 0.9)), RIGS["parallel"])
+
+
+@pytest.mark.parametrize("lifted_m", [-0.01, 0.0, 0.003, 0.04])
+@pytest.mark.parametrize("rig", ["thesis", "verged", "parallel"])
+def test_how_high_a_face_lies_above_a_table(rig: str, lifted_m: float) -> None:
+    placed = table_before(RIGS[rig], 0.9, 55)
+    normal = RIGS[rig].left.R @ placed.rotation[:, 2]
+    table = Table(normal, -float(normal @ RIGS[rig].left.R @ placed.translation), 1e-4)
+    sides = Sides.of(*shown(RIGS[rig], placed.apply(FACES["long"] + (0.0, 0.0, lifted_m))), RIGS[rig])
+    above_m, off_px = height_above(table, sides, RIGS[rig])
+    assert above_m == pytest.approx(lifted_m, abs=2e-4) and off_px < 0.02
+
+
+def test_faces_on_one_plane_have_it_in_common_and_others_have_none() -> None:
+    placed = table_before(RIGS["thesis"], 0.9, 70)
+    faces = [FACES["round"] + (x, 0.02, 0.0) for x in (-0.06, 0.0, 0.06)]
+    sides = [Sides.of(*shown(RIGS["thesis"], placed.apply(each)), RIGS["thesis"]) for each in faces]
+    assert max(each.off_px(common_plane(sides)) for each in sides) < 0.02
+    raised = Sides.of(*shown(RIGS["thesis"], placed.apply(faces[1] + (0.0, 0.0, 0.01))), RIGS["thesis"])
+    assert raised.off_px(common_plane([sides[0], raised, sides[2]])) > 0.2

@@ -1,0 +1,126 @@
+"""Prints are no objects, however much their outlines look like a solid's; and objects are none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from rendering import Box, Cylinder, Label, Planks, Scene, Solid, Sphere, render
+from rendering.rigs import table_before
+from rigs import RIGS
+from solid_outlines import Part, contour_px, contours_px
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.correspondence.position import Row, by_solid
+from stereo_pick.core.correspondence.prints import prints_among
+from stereo_pick.core.objects import Blob
+from stereo_pick.core.pipeline import Pipeline, Result, Steps
+from stereo_pick.core.refusal import count_reasons
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.table import Table
+
+RIG = RIGS["thesis"]
+LABELS = {
+    "a bar": [Label(0.02, 0.0, 0.03, 0.012, 0.4, 0.7)],
+    "a small bar": [Label(0.02, 0.0, 0.01, 0.006, 0.4, 0.7)],
+    "a round one": [Label(0.0, 0.02, 0.045, 0.045, 0.0, 0.7, is_round=True)],
+    "bars of a size": [Label(x, y, 0.03, 0.012, 0.4, 0.7) for x, y in ((-0.08, 0), (0.08, 0.02), (0, -0.05))],
+    "round ones of a size": [
+        Label(x, y, 0.03, 0.03, 0.0, 0.7, is_round=True)
+        for x, y in ((-0.08, 0.04), (0.08, 0.02), (0, -0.05), (0.02, 0.06))
+    ],
+}
+PARTS = (Cylinder(-0.05, -0.03, (0.04, 0.04, 0.05)), Box(0.06, -0.04, (0.05, 0.036, 0.04), yaw_rad=0.4))
+
+
+def seen(elevation_deg: float, parts: Sequence[Solid], paints: Sequence[object], **options: bool) -> Result:
+    scene = Scene(tuple(parts), table_before(RIG, 0.9, elevation_deg), paints=tuple(paints), ambient=0.7)
+    return Pipeline(RIG, Steps(method=Feature(**options))).run(render(RIG, scene, seed=2))
+
+
+@pytest.mark.parametrize("elevation_deg", [40, 65, 78, 88])
+@pytest.mark.parametrize("name", LABELS)
+def test_labels_on_a_table_are_refused(name: str, elevation_deg: float) -> None:
+    result = seen(elevation_deg, (), LABELS[name])
+    assert len(result.poses) == 0
+    assert set(count_reasons(result.poses.refused)) <= {"flat", "half_lit", "other_shape"}
+
+
+@pytest.mark.parametrize("elevation_deg", [65, 85])
+def test_labels_on_planks_are_refused(elevation_deg: float) -> None:
+    result = seen(elevation_deg, (), [Planks(contrast=0.05), *LABELS["round ones of a size"]])
+    assert len(result.poses) == 0
+
+
+@pytest.mark.parametrize("elevation_deg", [50, 85])
+def test_among_labels_the_parts_are_found(elevation_deg: float) -> None:
+    labels = [Label(x, 0.05, 0.02, 0.015, 0.4, 0.7, is_round=x > 0) for x in (-0.06, 0.0, 0.06)]
+    result = seen(elevation_deg, PARTS, labels)
+    kinds = sorted(extent.kind for extent in result.correspondences.extents if extent)
+    assert kinds == ["box", "cylinder"] and count_reasons(result.poses.refused)["flat"] == len(labels)
+
+
+def test_a_part_that_may_be_flat_is_taken_for_what_it_seems() -> None:
+    assert len(seen(88, (), LABELS["a round one"], flat_parts=True).poses) == 1
+
+
+@pytest.mark.parametrize("part", [Sphere(0.0, 0.0, (0.045,) * 3), Cylinder(0.0, 0.0, (0.045, 0.045, 0.05))])
+def test_a_lone_part_whose_light_or_sides_show_that_it_stands_is_found(part: Solid) -> None:
+    assert len(seen(60, (part,), ()).poses) == 1
+
+
+def blob(contour: Floats) -> Blob:
+    return Blob(contour, 100.0, sharpness=np.ones(len(contour)))
+
+
+def row_of(part: Part, contours: tuple[Floats, Floats] | None = None) -> Row:
+    """A solid that was found by its own outlines, or by others."""
+    size_m = 2 * part.half_m[[0, 0, -1]]
+    fit = SolidFit(part.kind, part.centre_m, part.rotation, size_m, 0.1, 1e-8 * np.eye(3))
+    left, right = contours or contours_px(part, RIG)
+    return (blob(left), blob(right)), by_solid(RIG, fit, 1.0)
+
+
+def ball(x_m: float = 0.0) -> Part:
+    return Part("sphere", np.array([0.1 + x_m, 0.0, 0.85]), np.eye(3), np.array([0.02]))
+
+
+def below(part: Part, by_m: float) -> Table:
+    return Table(np.array([0.0, 0.0, -1.0]), float(part.centre_m[2]) + by_m, 2e-4)
+
+
+def test_only_a_table_below_it_shows_that_a_ball_in_even_light_is_no_label() -> None:
+    row = row_of(ball())
+    assert prints_among([row], RIG, None, False) == [row]
+    assert prints_among([row], RIG, below(ball(), 0.02), True) == []
+    assert prints_among([row], RIG, below(ball(), 0.0), True) == [row]
+
+
+def test_a_table_that_is_not_known_well_does_not_show_it() -> None:
+    unsure = Table(*(getattr(below(ball(), 0.02), name) for name in ("normal", "offset_m")), 0.02)
+    assert prints_among([row_of(ball())], RIG, unsure, True) != []
+
+
+def test_the_lit_top_of_a_solid_with_more_edges_is_no_label() -> None:
+    """A cylinder from above: a face of it is all that is outlined, the rest is known by faint edges."""
+    part = Part("cylinder", np.array([0.1, 0.15, 0.85]), np.eye(3), np.array([0.02, 0.03]))
+    angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    top = part.centre_m + np.c_[0.02 * np.cos(angle), 0.02 * np.sin(angle), np.full(200, -0.03)]
+    left, right = (contour_px(top - eye_m, camera) for eye_m, camera in zip(RIG.eyes_m, (RIG.left, RIG.right)))
+    assert prints_among([row_of(part, (left, right))], RIG, None, False) == []
+
+
+def test_labels_do_not_vouch_for_a_table_of_their_own() -> None:
+    """Three round ones are three balls on a plane half a diameter below."""
+    rows = []
+    for x_m in (-0.06, 0.0, 0.06):
+        part = ball(x_m)
+        angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+        disc = part.centre_m + 0.02 * np.c_[np.cos(angle), np.sin(angle), np.zeros(200)]
+        left, right = (contour_px(disc - eye_m, camera) for eye_m, camera in zip(RIG.eyes_m, (RIG.left, RIG.right)))
+        rows.append(row_of(part, (left, right)))
+    table = below(ball(), 0.02)
+    assert prints_among(rows, RIG, table, is_known=False) == rows
+    assert prints_among(rows, RIG, table, is_known=True) == []
