@@ -46,11 +46,11 @@ class Sides:
         edge_px = min(_EDGE_PX, _EDGE * (bottom - top))
         rows = np.linspace(top + edge_px, bottom - edge_px, _ROWS)
         u_left, u_right = _crossings(left.contour_px, rows), _crossings(right.contour_px, rows)
-        slope2 = sum(np.gradient(u, rows, axis=1) ** 2 for u in (u_left, u_right)) / 2
+        slopes = np.gradient(np.stack([u_left, u_right]), rows, axis=2)
         focal, (cx, cy) = rig.focal_px, rig.left.P[:2, 2]
         across = u_left.ravel() - cx
         terms = np.stack([across, np.tile(rows - cy, 2), np.full(2 * _ROWS, focal)], axis=1)
-        return Sides(terms, across - (u_right.ravel() - rig.right.P[0, 2]), 1 / (1 + slope2.ravel()))
+        return Sides(terms, across - (u_right.ravel() - rig.right.P[0, 2]), 1 / (1 + (slopes**2).mean(axis=0).ravel()))
 
     def off_px(self, plane: Floats) -> float:
         """By how much these outlines, as a root mean square, differ from those of what lies on a plane (3,)."""

@@ -52,8 +52,10 @@ def _is_of(dark: Row, bright: Row, rig: StereoRig) -> bool:
     fits = dark[1].fit, bright[1].fit
     if fits[0] is not None and fits[1] is not None and clash(fits[0], fits[1], rig):
         return True
-    thin = fits[0] is not None and fits[0].flatness < BODY
-    return thin and any(are_beside(one, other, _FADING * other.rectangle[1]) for one, other in zip(dark[0], bright[0]))
+    is_body = fits[0] is not None and fits[0].flatness >= BODY
+    return not is_body and any(
+        are_beside(one, other, _FADING * other.rectangle[1]) for one, other in zip(dark[0], bright[0])
+    )
 
 
 def _is_object(unread: Unread, rig: StereoRig, table: Table | None) -> bool:

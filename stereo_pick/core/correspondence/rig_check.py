@@ -21,6 +21,7 @@ from stereo_pick.core.rig import StereoRig
 _CONVINCING_COST = 0.1  # on the scale of `Similarity.costs`, where 1 is barely possible
 _CLEARLY_WORSE = 4.0
 _SAME_PART = 3.0  # factor of the areas of one part where a view shows only half of it, or its shadow or neighbour too
+_MAY_BE_ITS_TOP = 5.0  # ... where it shows the top of a tall one alone
 _SEVERAL = 3
 
 
@@ -63,7 +64,9 @@ def _is_misaligned(blobs: Blobs, rig: StereoRig) -> bool:
     return len(offsets_px) >= _SEVERAL and abs(float(np.median(offsets_px))) > Feature().epipolar_tolerance_px
 
 
-def fitting_pairs(left: list[Blob], right: list[Blob], rig: StereoRig) -> list[tuple[int, int]]:
+def fitting_pairs(
+    left: list[Blob], right: list[Blob], rig: StereoRig, area_ratio: float = _SAME_PART
+) -> list[tuple[int, int]]:
     """The parts of both views that fit one another, by the better end of their outlines."""
     if not left or not right:
         return []
@@ -74,13 +77,13 @@ def fitting_pairs(left: list[Blob], right: list[Blob], rig: StereoRig) -> list[t
     areas = np.log([blob.area_px2 for blob in left])[:, None] - np.log([blob.area_px2 for blob in right])
     disparity_px = _columns_px(left)[:, None] - _columns_px(right)
     least_px, most_px = method.disparities_px(rig)
-    may_be = (cost <= 1) & (np.abs(areas) < np.log(_SAME_PART)) & (disparity_px >= least_px) & (disparity_px <= most_px)
+    may_be = (cost <= 1) & (np.abs(areas) < np.log(area_ratio)) & (disparity_px >= least_px) & (disparity_px <= most_px)
     return assign(np.where(may_be, cost, np.inf), unmatched_cost=1.0)
 
 
 def _fitting_px(left: list[Blob], right: list[Blob], rig: StereoRig) -> list[float]:
     """By how many rows [px] the parts of both views differ, of those that fit one another."""
-    pairs = fitting_pairs(left, right, rig)
+    pairs = fitting_pairs(left, right, rig, _MAY_BE_ITS_TOP)
     return [float(px) for px in _end_offsets_px(left, right)[tuple(zip(*pairs))]] if pairs else []
 
 

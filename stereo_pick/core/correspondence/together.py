@@ -97,10 +97,9 @@ def _looked_for_again(
 
 
 def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row:
-    """Where the solid is; where much of its silhouette and of its creases does not show, it may be longer or shorter than
-    it seems."""
+    """Where the solid is; it may be longer or shorter than it seems where much of its edges does not show."""
     (blobs, where), fit = row, found.fit
-    doubt = where.doubt + (_as_if_it_stood(found, table, images.rig) if table else 0.0)
+    doubt = where.doubt + (_as_if_it_stood(found, table, images.rig) if table else _as_far_as_its_shadow(found))
     if _goes_on_beyond(blobs, fit, images):
         doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
     if found.shown * found.creased < _WELL_SEEN and (isinstance(KINDS[fit.kind], Prism) or found.shown < WELL_SHOWN):
@@ -123,6 +122,11 @@ def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
     ahead = fit.centre_m - rig.eyes_m.mean(axis=0)
     down_m = -ahead * height_m / float(table.normal @ ahead)
     return np.outer(down_m, down_m) / 4 + _of_size(fit)
+
+
+def _as_far_as_its_shadow(found: Adjusted) -> Floats:
+    """Covariance (3, 3) [m²] of what may go on to the end of its shadow: no table says where it ends itself."""
+    return _of_size(found.fit) if found.shown < WELL_SHOWN else np.zeros((3, 3))
 
 
 def _goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:

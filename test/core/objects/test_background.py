@@ -60,3 +60,12 @@ def test_what_lies_outside_the_raw_image_does_not_count() -> None:
 
 def test_the_spread_of_a_perfect_image_is_that_of_rounding() -> None:
     assert 0.2 <= fit_background(np.full(SIZE_PX[::-1], 70.0, np.float32), EVERYWHERE).sigma <= 1.0
+
+
+@pytest.mark.parametrize("window", [np.s_[240:241, :], np.s_[:, 300:301], np.s_[200:206, 100:600]])
+def test_what_shows_a_single_line_of_it_says_no_more_of_it(window: tuple[slice, slice]) -> None:
+    """Many of the few samples there are in a line: no surface goes through them alone."""
+    line = np.zeros_like(EVERYWHERE)
+    line[window] = True
+    level = fit_background(noisy(1.0).astype(np.float32), line).level
+    np.testing.assert_allclose(level[window], surface()[window], atol=2.0)
