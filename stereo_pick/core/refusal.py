@@ -14,7 +14,7 @@ REASONS = {
     "merged": "its outline has a deep notch: touching parts, a half-lit part, or a part that is not convex",
     "beside_bright": "it is dark beside a bright object: the shadow of that, its dark side, or a part that touches it",
     "half_lit": "its outline shows only a part of it: the rest is as bright as what is behind it",
-    "flat": "it shows one flat face only: the lit top of a body, or a flat part (set flat_parts if yours are flat)",
+    "flat": "nothing shows that it stands up: a print, a lit top, or a flat part (set flat_parts if yours are flat)",
     "off_table": "what fits it neither stands on the table (feature.table) nor can hang above it",
     "no_solid": "its top or surface (reference_point) is not known: no solid explains it, or which way is up is open",
     "other_shape": "the edges in and around its outlines are not those of the solid that fits: it is of another shape",

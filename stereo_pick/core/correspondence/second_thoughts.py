@@ -5,13 +5,16 @@ A lying cylinder and its shadow have the silhouette of a box. What they have not
 
 from __future__ import annotations
 
+import numpy as np
+
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.position import Row, by_supported
 from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
-from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
+from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.standing import exactly_standing
 from stereo_pick.core.shapes.table import Table
 
@@ -47,7 +50,15 @@ def is_flat_after_all(row: Row, table: Table | None) -> bool:
     fit = row[1].fit
     if fit is None:
         return False
-    return is_flat(fit) if table is not None and stands_on(table, fit) else is_flat(fit, TOP)
+    if table is None:
+        return is_flat(fit, TOP) or _is_slab(fit)
+    return is_flat(fit) if stands_on(table, fit) else is_flat(fit, TOP)
+
+
+def _is_slab(fit: SolidFit) -> bool:
+    """Whether a solid is much thinner than it is wide: it may be the top of another, with a strip of its side."""
+    least, middle, _ = np.sort(fit.size_m)
+    return bool(least < BODY * middle)
 
 
 def _as_cylinder(images: Images, row: Row, table: Table | None) -> Row | None:

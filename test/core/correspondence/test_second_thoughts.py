@@ -1,0 +1,38 @@
+"""What the edges make too thin to be told from a print, or from the lit top of another body."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rigs import RIGS
+from solid_outlines import Part, contours_px
+
+from stereo_pick.core.correspondence.position import by_solid
+from stereo_pick.core.correspondence.second_thoughts import is_flat_after_all
+from stereo_pick.core.objects import Blob
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.table import Table
+
+RIG = RIGS["thesis"]
+CENTRE_M = np.array([0.1, 0.0, 0.85])
+
+
+@pytest.mark.parametrize(
+    ("size_m", "alone", "on_table"),
+    [
+        ((0.05, 0.04, 0.03), False, False),
+        ((0.05, 0.04, 0.009), True, False),
+        ((0.09, 0.018, 0.018), False, False),
+        ((0.05, 0.04, 0.002), True, True),
+    ],
+    ids=["body", "slab", "bar", "sheet"],
+)
+def test_a_slab_is_a_top_with_a_strip_of_its_side_unless_a_table_is_below(
+    size_m: tuple[float, float, float], alone: bool, on_table: bool
+) -> None:
+    part = Part("box", CENTRE_M, np.eye(3), np.array(size_m) / 2)
+    left, right = (Blob(each, 100.0) for each in contours_px(part, RIG))
+    row = (left, right), by_solid(RIG, SolidFit("box", CENTRE_M, np.eye(3), part.half_m * 2, 0.1, np.zeros((3, 3))), 1)
+    below = Table(np.array([0.0, 0.0, -1.0]), float(CENTRE_M[2] + part.half_m[2]), 2e-4)
+    assert is_flat_after_all(row, None) == alone
+    assert is_flat_after_all(row, below) == on_table
