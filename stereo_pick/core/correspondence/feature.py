@@ -66,7 +66,8 @@ class Feature(Method):
     flat_parts: bool = parameter(
         False,
         "Whether parts may be flat. The lit top of a body whose sides are as bright as the table looks like a flat "
-        "part, centimetres above the body's centre: what shows one flat face only is refused, unless this is set.",
+        "part, centimetres above the body's centre, and so does a print: what nothing shows to stand up is refused, "
+        "unless this is set.",
     )
     table: str = parameter(
         FOUND,
@@ -129,9 +130,10 @@ class Feature(Method):
         rig = images.rig
         together = adjusted_together(images, found.kept, found.table, is_known, self.flat_parts)
         table = together.table
-        normal = table.normal if table else common_normal([where.fit for _, where in together.kept])
         prints = [] if self.flat_parts else prints_among(together.kept, rig, table, is_known)
-        kept, unknown = self._of_known_reference([row for row in together.kept if row not in prints], normal)
+        objects = [row for row in together.kept if row not in prints]
+        normal = table.normal if table else common_normal([where.fit for _, where in objects])
+        kept, unknown = self._of_known_reference(objects, normal)
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
         unread = found.unread + together.refused + [Unread("flat", *each) for each, _ in prints]
         unread += [Unread("no_solid", *each) for each, _ in unknown]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.frontier import reaches_down
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
@@ -101,17 +103,14 @@ class SecondLook:
         """What is found, and what must be refused.
 
         kept: what was found without the table; what is sure and stands on it stays. What stands on it, or is sure but
-        hangs clear of it, is looked for as one of its own kind: that it ends there is hardly chance. All else, and the
-        pairs, is looked for as solids on the table.
+        hangs clear of it, is looked for as one of its own kind: that it ends there is hardly chance. All else, what
+        hangs and is none of its kind, and the pairs, is looked for as solids on the table.
         """
         found, unsure = _divided(kept, lambda where: _is_sure(where, table))
         refused: list[Row] = []
         bodies, open_ = _divided(unsure, lambda where: _stands(where, table) or _hangs(where, table))
         unsure = bodies + open_
-        standing_there = self._alike_on(table, bodies)
-        hanging = [i for i, (_, where) in enumerate(bodies) if standing_there[i] is None and not _stands(where, table)]
-        for i, other in zip(hanging, self._on(table, [bodies[i][0] for i in hanging])):
-            standing_there[i] = other
+        standing_there = self._alike_or_else_on(table, bodies)
         standing_there += self._on(table, [*(blobs for blobs, _ in open_), *self.pairs])
         without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(unsure, standing_there)])
         for (blobs, where), on_it, in_the_air in zip(unsure, standing_there, without):
@@ -130,8 +129,9 @@ class SecondLook:
         """What was found without the table against what would stand on it.
 
         A part of a solid is supported where it shares the whole one's edges: what stands on the table and has as much
-        support is the whole. What hangs in the air where one of its kind could also stand, on edges that need no
-        excuse, is that one; after that it must have a body of its own. What cannot be there at all is the other one.
+        support is the whole. What hangs in the air where another could stand is that one, no surer than they agree if
+        that has less support; where none could, it must have a body of its own. What cannot be there at all is the
+        other one.
         """
         fit = where.fit
         if fit is None:
@@ -139,8 +139,13 @@ class SecondLook:
                 return by_supported(self.images.rig, on_it)
             return where if reaches_down(*blobs, self.images.rig, table) else replace(where, reason="half_lit")
         hangs = _hangs_clear(table, fit)
-        if on_it is not None and in_the_air is not None and _stands_too(on_it, in_the_air, hangs):
-            return by_supported(self.images.rig, on_it)
+        if on_it is not None and in_the_air is not None:
+            if on_it.support >= in_the_air.support - CHANCE or (hangs and on_it.is_exact):
+                return by_supported(self.images.rig, on_it)
+            if hangs:
+                off_m = on_it.fit.centre_m - fit.centre_m
+                unsure = replace(on_it, doubt=on_it.doubt + np.outer(off_m, off_m))
+                return by_supported(self.images.rig, unsure)
         if stands_on(table, fit) or (hangs and not is_flat(fit, TOP)):
             return where
         if on_it is not None and on_it.is_exact:
@@ -151,6 +156,14 @@ class SecondLook:
         """The support of solids that need not stand on the table."""
         found = iter(self.images.all_locked([fit.solid.turning_freely() for fit in fits if fit], None))
         return [next(found) if fit else None for fit in fits]
+
+    def _alike_or_else_on(self, table: Table, rows: Sequence[Row]) -> list[Supported | None]:
+        """Solids of the same kinds; and, for what hangs, of any kind."""
+        found = self._alike_on(table, rows)
+        hanging = [i for i, (_, where) in enumerate(rows) if found[i] is None and not _stands(where, table)]
+        for i, other in zip(hanging, self._on(table, [rows[i][0] for i in hanging])):
+            found[i] = other
+        return found
 
     def _alike_on(self, table: Table, rows: Sequence[Row]) -> list[Supported | None]:
         fits = [where.fit for _, where in rows if where.fit is not None]
@@ -164,10 +177,6 @@ class SecondLook:
 def _each_once(found: Sequence[SolidFit], fits: Sequence[SolidFit]) -> list[SolidFit]:
     """The solids found, and those of the others that are none of them."""
     return [*found, *(fit for fit in fits if not any(fit.overlaps(other) for other in found))]
-
-
-def _stands_too(on_it: Supported, in_the_air: Supported, hangs: bool) -> bool:
-    return on_it.support >= in_the_air.support - CHANCE or hangs
 
 
 def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple[float, float]) -> list[BlobPair]:

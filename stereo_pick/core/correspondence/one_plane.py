@@ -21,8 +21,8 @@ FLAT_PX = 0.2  # distance of outlines from those of a plane, as two edges' noise
 _ROWS = 24
 _EDGE_PX = 2.0  # rows at the top and at the bottom, where an outline runs along the row, tell no disparity ...
 _EDGE = 0.2  # ... but of what is low, no more than this part
-_LEAST_PX = 4 * _EDGE_PX  # height of what tells whether it is flat
-_FACING_DEG = 20.0
+_LEAST_PX = 4 * _EDGE_PX  # height of what tells by itself whether it is flat
+FACING = np.cos(np.deg2rad(20))  # of a plane's normal and the line of sight, from which on a round body's is as flat
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +73,8 @@ def common_plane(several: Sequence[Sides]) -> Floats:
 def height_above(table: Table, sides: Sides, rig: StereoRig) -> tuple[float, float]:
     """How high [m] above a table the plane along it lies that is nearest to these outlines, and how far [px] they are
     off that."""
+    if not len(sides.weight):
+        return np.inf, np.inf
     plane = -rig.baseline_m / table.offset_m * table.normal
     on_it = sides.terms @ plane
     nearer = float((sides.weight * sides.disparity_px) @ on_it) / float((sides.weight * on_it) @ on_it)
@@ -89,7 +91,7 @@ def shows_one_face(left: Blob, right: Blob, rig: StereoRig) -> bool:
     plane = common_plane([sides])
     ahead = np.append((left.centroid_px - rig.left.P[:2, 2]) / rig.focal_px, 1.0)
     cosine = abs(float(plane @ ahead)) / float(np.linalg.norm(plane) * np.linalg.norm(ahead))
-    return sides.off_px(plane) < FLAT_PX and cosine < np.cos(np.deg2rad(_FACING_DEG))
+    return sides.off_px(plane) < FLAT_PX and cosine < FACING
 
 
 def _common_rows_px(left: Blob, right: Blob) -> tuple[float, float]:

@@ -33,6 +33,8 @@ def joined(bright: Reading, dark: Reading, chosen: Reading, rig: StereoRig) -> R
     light = [row for row in light if not _is_on_one_of(row[0], dark.kept)]
     kept = [row for row in shade if not any(_is_of(row, each, rig) for each in light)]
     besides = [each for each in other.unread if _is_object(each, rig, table)]
+    if chosen is dark:
+        besides += [Unread("beside_bright", *row[0]) for row in shade if row not in kept and row[1].fit is None]
     return Reading(light + kept, chosen.unread + besides, table)
 
 

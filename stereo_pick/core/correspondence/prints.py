@@ -11,22 +11,22 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.camera import Camera
-from stereo_pick.core.correspondence.one_plane import FLAT_PX, Sides, common_plane, height_above
+from stereo_pick.core.correspondence.one_plane import FACING, FLAT_PX, Sides, common_plane, height_above
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.common_normal import common_normal
 from stereo_pick.core.shapes.faces import face_areas_px2
+from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
 _ALIKE = 0.1  # by this part an outline may be larger or smaller than the face it is ...
 _ALL = 0.85  # ... which is less than this part of the solid's silhouette
 _SHARP = 0.75  # of an outline: the light on a round body fades towards it, that on a print ends there
-_TELL_A_PLANE = 2  # prints, which tell how it lies
+_TRIED = 5  # of the largest, whose plane others may share
 _LIES = 0.25  # of its own height above the table, up to which what may be flat rather lies on it ...
 _SIGMAS = 2  # ... and by which the table's height is not sure
-_FROM_ABOVE = np.cos(np.deg2rad(20))
 
 Outlined = tuple[Row, Sides]
 
@@ -47,26 +47,49 @@ def prints_among(rows: Sequence[Row], rig: StereoRig, table: Table | None, is_kn
 
 
 def _without_a_table(every: Sequence[Outlined], flat: Sequence[Outlined], rig: StereoRig) -> list[Outlined]:
-    """Those that lie on what may be a table, as the others stand; and what else is printed on that of several."""
-    prints = [each for each in flat if _on_one_plane([each])]
-    upright = common_normal([each[0][1].fit for each in every if each not in prints])
+    """Those that lie on what may be a table, as the others stand, and what else is printed there.
+
+    From wherever it is seen, a ball's outline lies on a plane, which is its own: balls are believed where there are
+    others, and none of these is on the same.
+    """
+    level = [each for each in flat if _on_one_plane([each])]
+    upright = common_normal([each[0][1].fit for each in every if each not in level])
     if upright is not None:
-        level = Table(upright, 1.0, np.inf)
-        prints = [each for each in prints if height_above(level, each[1], rig)[1] < FLAT_PX]
-    if len(prints) < _TELL_A_PLANE:
-        return prints
-    return [each for each in every if each in prints or _on_one_plane([*prints, each])]
+        somewhere = Table(upright, 1.0, np.inf)
+        level = [each for each in level if height_above(somewhere, each[1], rig)[1] < FLAT_PX]
+    prints = [each for each in level if len(every) == 1 or not _is_ball(each[0][1])]
+    together = _most_on_one_plane(level)
+    if len(together) > 1:
+        prints += [each for each in every if each not in prints and _on_one_plane([*together, each])]
+    return prints
+
+
+def _is_ball(where: Located) -> bool:
+    return where.fit is not None and where.fit.kind == SPHERE.name
+
+
+def _most_on_one_plane(flat: Sequence[Outlined]) -> list[Outlined]:
+    """The most of them that lie on the plane of one of the largest."""
+    by_size = sorted(flat, key=lambda each: -each[0][0][0].area_px2)
+    found: list[list[Outlined]] = []
+    for first in by_size[:_TRIED]:
+        group = [first]
+        for other in by_size:
+            if other is not first and _on_one_plane([*group, other]):
+                group.append(other)
+        found.append(group)
+    return max(found, key=len, default=[])
 
 
 def _may_be_flat(blobs: BlobPair, where: Located, rig: StereoRig) -> bool:
-    """Whether an outline is sharp, and they are not those of one face of a solid that has others."""
+    """Whether one outline is sharp, and they are not one face of a solid that shows more."""
     if not any(len(blob.sharpness) and float(np.median(blob.sharpness)) > _SHARP for blob in blobs):
         return False
     return where.fit is None or not _is_a_face_of(blobs, where.fit, rig, _ALL)
 
 
-def _is_a_face_of(blobs: BlobPair, fit: SolidFit, rig: StereoRig, most: float = 1.0) -> bool:
-    """Whether outlines are as large as one of the faces that is seen of a solid, which is no more than this part of all
+def _is_a_face_of(blobs: BlobPair, fit: SolidFit, rig: StereoRig, most: float = np.inf) -> bool:
+    """Whether outlines are as large as one of the faces that is seen of a solid, which is less than this part of all
     that is."""
     return all(_is_one_face(*each, fit, most) for each in zip(blobs, (rig.left, rig.right)))
 
@@ -85,10 +108,10 @@ def _on_one_plane(several: Sequence[Outlined]) -> bool:
 
 
 def _is_level(table: Table, flat: Outlined, rig: StereoRig) -> bool:
-    """Whether outlines that may be flat are as level as the table, and on it, or no face of what stands there.
+    """Whether outlines that may be flat lie along the table: on it, or above it as no face of the solid.
 
-    On it is what is nearer to it than the middle of the solid would be. The outlines of round bodies face the cameras:
-    that they are level is no chance only where they are seen from above.
+    On it is what is nearer to it than the middle of the solid would be. What is above it must be seen obliquely: from
+    above, the outlines of round bodies are level, too.
     """
     (blobs, where), sides = flat
     fit = where.fit
@@ -99,5 +122,5 @@ def _is_level(table: Table, flat: Outlined, rig: StereoRig) -> bool:
     if abs(above_m) < _LIES * own_m + _SIGMAS * table.sigma_m:
         return True
     ahead = sides.terms.mean(axis=0)
-    is_oblique = abs(float(ahead @ table.normal)) < _FROM_ABOVE * float(np.linalg.norm(ahead))
+    is_oblique = abs(float(ahead @ table.normal)) < FACING * float(np.linalg.norm(ahead))
     return is_oblique and (fit is None or not _is_a_face_of(blobs, fit, rig))

@@ -97,21 +97,29 @@ def _looked_for_again(
 
 
 def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row:
-    """Where the solid is; it may be longer or shorter than it seems where much of its edges does not show."""
+    """Where the solid is, and how sure that is."""
     (blobs, where), fit = row, found.fit
-    doubt = where.doubt + (_as_if_it_stood(found, table, images.rig) if table else _as_far_as_its_shadow(found))
+    doubt = where.doubt + (_as_if_it_stood(found, table, images.rig) if table else 0.0)
     if _goes_on_beyond(blobs, fit, images):
         doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
-    if found.shown * found.creased < _WELL_SEEN and (isinstance(KINDS[fit.kind], Prism) or found.shown < WELL_SHOWN):
+    if _may_be_longer(found, table):
         doubt = doubt + _of_size(fit)
     return blobs, by_adjusted(images.rig, where, fit, doubt)
+
+
+def _may_be_longer(found: Adjusted, table: Table | None) -> bool:
+    """Whether much of its edges does not show; or, without a table, some: it may go on to the end of its shadow."""
+    if found.shown < WELL_SHOWN and table is None:
+        return True
+    is_in_doubt = isinstance(KINDS[found.fit.kind], Prism) or found.shown < WELL_SHOWN
+    return is_in_doubt and found.shown * found.creased < _WELL_SEEN
 
 
 def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
     """Covariance (3, 3) [m²] from where it hangs above the table to where another solid that is seen alike would stand.
 
     Nothing hangs in the air, and what lies on something else is higher up than a part of its own size, and shows by its
-    creases what it is.
+    creases what it is; a ball, which has none, is believed.
     """
     fit = found.fit
     height_m = float(table.under(fit.solid)[0][0])
@@ -122,11 +130,6 @@ def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
     ahead = fit.centre_m - rig.eyes_m.mean(axis=0)
     down_m = -ahead * height_m / float(table.normal @ ahead)
     return np.outer(down_m, down_m) / 4 + _of_size(fit)
-
-
-def _as_far_as_its_shadow(found: Adjusted) -> Floats:
-    """Covariance (3, 3) [m²] of what may go on to the end of its shadow: no table says where it ends itself."""
-    return _of_size(found.fit) if found.shown < WELL_SHOWN else np.zeros((3, 3))
 
 
 def _goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:

@@ -11,7 +11,7 @@ from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _RIM = 48  # points on a round one
-_ON_IT = 1e-6
+_ON_IT = 1e-4
 
 
 def face_areas_px2(fit: SolidFit, camera: Camera) -> Floats:

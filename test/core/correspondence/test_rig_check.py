@@ -125,3 +125,17 @@ def test_a_tilt_by_a_few_pixels_is_noticed(rig_name: str, pitch_deg: float) -> N
     stale = StereoRig.from_extrinsics(rig.left, rig.right, tilt @ rig.right_T_left)
     frame = rendered(rig_name, "several")
     assert fault(stale, frame.left, frame.right) in RIG_FAULTS
+
+
+def upright(x_px: float, top_px: float, height_px: float) -> Blob:
+    """A tall outline, or the upper part of one."""
+    corners = [(-20, 0), (20, 0), (20, height_px), (-20, height_px)]
+    return Blob(np.array(corners, np.float64) + (x_px, top_px), 100.0)
+
+
+@pytest.mark.parametrize(("shown_px", "expected"), [(20.0, ""), (12.0, "misaligned")])
+def test_the_top_of_a_tall_part_fits_the_whole_of_it_in_the_other_view(shown_px: float, expected: str) -> None:
+    """One of two parts of which the left view shows no more."""
+    left = [upright(300, 100, 85), upright(420, 260, shown_px)]
+    right = [upright(240, 100, 85), upright(360, 260, 85)]
+    assert rig_fault(seen(left, right), PARALLEL) == expected

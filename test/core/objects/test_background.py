@@ -62,7 +62,7 @@ def test_the_spread_of_a_perfect_image_is_that_of_rounding() -> None:
     assert 0.2 <= fit_background(np.full(SIZE_PX[::-1], 70.0, np.float32), EVERYWHERE).sigma <= 1.0
 
 
-@pytest.mark.parametrize("window", [np.s_[240:241, :], np.s_[:, 300:301], np.s_[200:206, 100:600]])
+@pytest.mark.parametrize("window", [np.s_[80:81, :], np.s_[120:121, 100:600], np.s_[80:86, :]])
 def test_what_shows_a_single_line_of_it_says_no_more_of_it(window: tuple[slice, slice]) -> None:
     """Many of the few samples there are in a line: no surface goes through them alone."""
     line = np.zeros_like(EVERYWHERE)
