@@ -23,11 +23,12 @@ def _sections(scores: Sequence[SceneScore], rivals: Sequence[RivalScore]) -> Ite
     seeds, required = [each.seed for each in scores], sum(each.required for each in scores)
     found = required - sum(len(each.missed) for each in scores)
     published, wrong = sum(each.published for each in scores), sum(each.wrong for each in scores)
+    unadmitted = sum(each.unadmitted for each in scores)
     yield (
         f"{len(scores)} scenes, seeds {min(seeds)} to {max(seeds)} of each family. Of {required} parts that must be "
         f"found, {found} are; of {published} positions that are published, {wrong} are more than {1000 * WRONG_M:g} mm "
-        f"wrong. OpenCV {cv2.__version__}, NumPy {np.__version__}, Python {platform.python_version()}, "
-        f"{platform.machine()}."
+        f"wrong, {unadmitted} of them by more than their covariance admits with 95 %. OpenCV {cv2.__version__}, NumPy "
+        f"{np.__version__}, Python {platform.python_version()}, {platform.machine()}."
     )
     yield _families_table(scores)
     yield "### Found, missed, refused"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from mahalanobis import CHI2_3
 from rendering import TrueObject, Truth
 
 from stereo_pick.core.arrays import Floats
@@ -92,6 +93,13 @@ class SceneScore:
     def wrong(self) -> int:
         """Published and off by more than WRONG_M, ghosts among them."""
         return sum(each.distance_m > WRONG_M for each in self.found) + len(self.ghosts_m)
+
+    @property
+    def unadmitted(self) -> int:
+        """Of those that are wrong, how many their covariance does not admit with 95 %; ghosts among them."""
+        return sum(each.distance_m > WRONG_M and each.mahalanobis2 > CHI2_3[95] for each in self.found) + len(
+            self.ghosts_m
+        )
 
     @property
     def right(self) -> bool:

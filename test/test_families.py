@@ -134,7 +134,7 @@ def test_what_is_missing_doubled_or_between_is_counted() -> None:
     assert len(doubled.ghosts_m) == 1 and not doubled.right
     assert doubled.mahalanobis2 == pytest.approx([0, 0, np.inf])
     wrong = scored(CENTRES_M + (0, 0, 0.006))
-    assert wrong.wrong == 2 and not wrong.missed and not wrong.right
+    assert wrong.wrong == wrong.unadmitted == 2 and not wrong.missed and not wrong.right
 
 
 def test_what_is_published_though_wrong_counts_among_the_distances() -> None:
@@ -147,6 +147,7 @@ def test_what_is_published_though_wrong_counts_among_the_distances() -> None:
 def test_the_report_says_how_many_were_found_and_how_many_are_wrong() -> None:
     text = report([scored(CENTRES_M), scored(CENTRES_M[:1] + (0, 0, 0.006))], [])
     assert "Of 4 parts that must be found, 3 are; of 3 positions that are published, 1 are more than 5 mm wrong" in text
+    assert "wrong, 1 of them by more than their covariance admits" in text
     (of_shape,) = [line for line in text.splitlines() if line.startswith("| part |")]
     assert of_shape == "| part | 3 | 0.00 | 36.00 | 36.00 | 36.00 | 36.00 | 66.7 % | 1 |"
 

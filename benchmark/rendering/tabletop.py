@@ -53,9 +53,7 @@ class Carton(Paint):
     ink: float = 0.5
 
     def over(self, xy_m: Floats, albedo: Floats) -> Floats:
-        c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
-        moved = xy_m - (self.x_m, self.y_m)
-        along, across = moved @ (c, s), moved @ (-s, c)
+        along, across = _own(xy_m, self.x_m, self.y_m, self.yaw_rad)
         margin = np.minimum(self.length_m / 2 - np.abs(along), self.width_m / 2 - np.abs(across))
         line = (np.sin(across * 700) > 0.3) & (np.sin(along * 160 + np.floor(across * 111) * 5) > -0.4)
         printed = ((margin > 0.008) & line) | ((margin > 0.003) & (margin < 0.005))
@@ -75,10 +73,9 @@ class Label(Paint):
     is_round: bool = False
 
     def over(self, xy_m: Floats, albedo: Floats) -> Floats:
-        c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
-        moved = xy_m - (self.x_m, self.y_m)
-        along, across = np.abs(moved @ (c, s)) * 2 / self.length_m, np.abs(moved @ (-s, c)) * 2 / self.width_m
-        reach = np.hypot(along, across) if self.is_round else np.maximum(along, across)
+        along, across = _own(xy_m, self.x_m, self.y_m, self.yaw_rad)
+        from_middle = np.abs(along) * 2 / self.length_m, np.abs(across) * 2 / self.width_m
+        reach = np.hypot(*from_middle) if self.is_round else np.maximum(*from_middle)
         return np.where(reach < 1, self.albedo, albedo)
 
 
@@ -93,6 +90,13 @@ class Edge(Paint):
     def over(self, xy_m: Floats, albedo: Floats) -> Floats:
         outside = xy_m @ (np.cos(self.direction_rad), np.sin(self.direction_rad)) > self.distance_m
         return np.where(outside, self.beyond, albedo)
+
+
+def _own(xy_m: Floats, x_m: float, y_m: float, yaw_rad: float) -> tuple[Floats, Floats]:
+    """Points (N, 2) along and across a sheet that lies at (x, y), turned so far."""
+    c, s = np.cos(yaw_rad), np.sin(yaw_rad)
+    moved = xy_m - (x_m, y_m)
+    return moved @ (c, s), moved @ (-s, c)
 
 
 def surface_texture(points_m: Floats) -> Floats:

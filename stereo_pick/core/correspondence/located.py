@@ -36,7 +36,7 @@ _MAY_BE_CUT = 0.25
 _SLIGHT = 0.25  # of max_concavity
 _NOTCH, _FADES = 0.5, 0.02  # of max_concavity, of the outline, in both views: light fades where the notch is
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
-_SHARP_LIMB = 0.75
+SHARP_LIMB = 0.75  # of an outline: the light on a round body fades towards it, that on what is flat ends there
 _SURELY_SHARP = 0.5
 _SURELY_ONE = 0.9  # part of a notched outline from which on a tube that it lies on is the reason for the notch
 _FLAT = 0.08  # thickness by length of what may be a print
@@ -163,7 +163,7 @@ def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> S
     """
     if fit.kind != SPHERE.name:
         return images.contradicts(fit.solid)
-    if min(float(np.median(blob.sharpness)) for blob in blobs) < _SHARP_LIMB:
+    if min(float(np.median(blob.sharpness)) for blob in blobs) < SHARP_LIMB:
         return None
     longer = images.contradicts(images.of_kind(outlines, CYLINDER)[0])
     return longer if longer is not None and longer.believable else None

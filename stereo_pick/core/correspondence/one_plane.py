@@ -70,15 +70,16 @@ def common_plane(several: Sequence[Sides]) -> Floats:
     return np.asarray(plane)
 
 
-def height_above(table: Table, sides: Sides, rig: StereoRig) -> tuple[float, float]:
-    """How high [m] above a table the plane along it lies that is nearest to these outlines, and how far [px] they are
-    off that."""
-    if not len(sides.weight):
-        return np.inf, np.inf
-    plane = -rig.baseline_m / table.offset_m * table.normal
-    on_it = sides.terms @ plane
-    nearer = float((sides.weight * sides.disparity_px) @ on_it) / float((sides.weight * on_it) @ on_it)
-    return table.offset_m * (1 - 1 / nearer), sides.off_px(nearer * plane)
+def plane_with(normal: Floats, sides: Sides) -> Floats:
+    """The plane (3,) with this normal (3,) that is nearest to these outlines, as `common_plane` has it."""
+    on_it = sides.terms @ normal
+    square = float((sides.weight * on_it) @ on_it)
+    return normal * (float((sides.weight * sides.disparity_px) @ on_it) / square if square else 0.0)
+
+
+def height_m(plane: Floats, table: Table, rig: StereoRig) -> float:
+    """How high above a table a plane (3,) lies that has its normal."""
+    return table.offset_m + rig.baseline_m / float(plane @ table.normal)
 
 
 def shows_one_face(left: Blob, right: Blob, rig: StereoRig) -> bool:

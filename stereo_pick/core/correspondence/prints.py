@@ -11,7 +11,8 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.camera import Camera
-from stereo_pick.core.correspondence.one_plane import FACING, FLAT_PX, Sides, common_plane, height_above
+from stereo_pick.core.correspondence.located import SHARP_LIMB
+from stereo_pick.core.correspondence.one_plane import FACING, FLAT_PX, Sides, common_plane, height_m, plane_with
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
@@ -23,7 +24,6 @@ from stereo_pick.core.shapes.table import Table
 
 _ALIKE = 0.1  # by this part an outline may be larger or smaller than the face it is ...
 _ALL = 0.85  # ... which is less than this part of the solid's silhouette
-_SHARP = 0.75  # of an outline: the light on a round body fades towards it, that on a print ends there
 _TRIED = 5  # of the largest, whose plane others may share
 _LIES = 0.25  # of its own height above the table, up to which what may be flat rather lies on it ...
 _SIGMAS = 2  # ... and by which the table's height is not sure
@@ -37,26 +37,26 @@ def prints_among(rows: Sequence[Row], rig: StereoRig, table: Table | None, is_kn
     table: what the objects stand on, and prints lie on; is_known: whether it is known without them. A table that only
     prints speak for is none: all of them lie on another, higher up.
     """
-    every = [(row, Sides.of(*row[0], rig)) for row in rows]
-    flat = [(row, sides) for row, sides in every if _may_be_flat(*row, rig)]
+    flat = [(row, Sides.of(*row[0], rig)) for row in rows if _may_be_flat(*row, rig)]
     if table is None:
-        return [row for row, _ in _without_a_table(every, flat, rig)]
+        others = [(row, Sides.of(*row[0], rig)) for row in rows if not any(row is each for each, _ in flat)]
+        return [row for row, _ in _without_a_table(flat, others)]
     if not is_known and 0 < len(flat) == len(rows) and _on_one_plane(flat):
         return list(rows)
     return [each[0] for each in flat if _is_level(table, each, rig)]
 
 
-def _without_a_table(every: Sequence[Outlined], flat: Sequence[Outlined], rig: StereoRig) -> list[Outlined]:
+def _without_a_table(flat: Sequence[Outlined], others: Sequence[Outlined]) -> list[Outlined]:
     """Those that lie on what may be a table, as the others stand, and what else is printed there.
 
     From wherever it is seen, a ball's outline lies on a plane, which is its own: balls are believed where there are
     others, and none of these is on the same.
     """
+    every = [*flat, *others]
     level = [each for each in flat if _on_one_plane([each])]
     upright = common_normal([each[0][1].fit for each in every if each not in level])
     if upright is not None:
-        somewhere = Table(upright, 1.0, np.inf)
-        level = [each for each in level if height_above(somewhere, each[1], rig)[1] < FLAT_PX]
+        level = [(row, sides) for row, sides in level if sides.off_px(plane_with(upright, sides)) < FLAT_PX]
     prints = [each for each in level if len(every) == 1 or not _is_ball(each[0][1])]
     together = _most_on_one_plane(level)
     if len(together) > 1:
@@ -83,7 +83,7 @@ def _most_on_one_plane(flat: Sequence[Outlined]) -> list[Outlined]:
 
 def _may_be_flat(blobs: BlobPair, where: Located, rig: StereoRig) -> bool:
     """Whether one outline is sharp, and they are not one face of a solid that shows more."""
-    if not any(len(blob.sharpness) and float(np.median(blob.sharpness)) > _SHARP for blob in blobs):
+    if not any(len(blob.sharpness) and float(np.median(blob.sharpness)) > SHARP_LIMB for blob in blobs):
         return False
     return where.fit is None or not _is_a_face_of(blobs, where.fit, rig, _ALL)
 
@@ -115,11 +115,11 @@ def _is_level(table: Table, flat: Outlined, rig: StereoRig) -> bool:
     """
     (blobs, where), sides = flat
     fit = where.fit
-    above_m, off_px = height_above(table, sides, rig)
-    if off_px > FLAT_PX:
+    plane = plane_with(table.normal, sides)
+    if sides.off_px(plane) > FLAT_PX:
         return False
     own_m = fit.reach_m(table.normal) + fit.reach_m(-table.normal) if fit else 0.0
-    if abs(above_m) < _LIES * own_m + _SIGMAS * table.sigma_m:
+    if abs(height_m(plane, table, rig)) < _LIES * own_m + _SIGMAS * table.sigma_m:
         return True
     ahead = sides.terms.mean(axis=0)
     is_oblique = abs(float(ahead @ table.normal)) < FACING * float(np.linalg.norm(ahead))

@@ -10,7 +10,7 @@ from rigs import RIGS
 from solid_outlines import contour_px
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.one_plane import Sides, common_plane, height_above, shows_one_face
+from stereo_pick.core.correspondence.one_plane import Sides, common_plane, height_m, plane_with, shows_one_face
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.table import Table
@@ -73,8 +73,8 @@ def test_how_high_a_face_lies_above_a_table(rig: str, lifted_m: float) -> None:
     normal = RIGS[rig].left.R @ placed.rotation[:, 2]
     table = Table(normal, -float(normal @ RIGS[rig].left.R @ placed.translation), 1e-4)
     sides = Sides.of(*shown(RIGS[rig], placed.apply(FACES["long"] + (0.0, 0.0, lifted_m))), RIGS[rig])
-    above_m, off_px = height_above(table, sides, RIGS[rig])
-    assert above_m == pytest.approx(lifted_m, abs=2e-4) and off_px < 0.02
+    plane = plane_with(normal, sides)
+    assert height_m(plane, table, RIGS[rig]) == pytest.approx(lifted_m, abs=2e-4) and sides.off_px(plane) < 0.02
 
 
 def test_faces_on_one_plane_have_it_in_common_and_others_have_none() -> None:

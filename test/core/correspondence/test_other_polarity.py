@@ -87,3 +87,11 @@ def test_in_scenes_of_both_none_is_found_where_none_is() -> None:
         result = Pipeline(scene.rig, Steps()).run(frame)
         nearest = off_m(result, np.array([each.centre_m for each in truth.objects]))
         assert len(nearest) >= 4 and (nearest < 0.01).all()
+
+
+def test_a_shadow_beside_a_bright_part_is_no_part_of_unknown_shape() -> None:
+    """Seen from low above; the shadow of one of two cylinders was published."""
+    scene = staged("two_cylinders", 61)
+    frame, truth = scene.taken()
+    result = Pipeline(scene.rig, Steps()).run(frame)
+    assert len(result.poses) == 2 and off_m(result, truth.centres_m).max() < 1e-3
