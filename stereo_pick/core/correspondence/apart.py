@@ -1,7 +1,8 @@
 """Touching parts: taken apart in each view, and counted where the parts are found in both.
 
 Each view alone is cut where its parts are convex. Where not all parts of that are found, both views are cut in two
-together, or one of them as the other shows two objects: what belongs together has the same rows.
+together, or one of them as the other shows two objects: what belongs together has the same rows. Where the views show
+different pieces of one of the two, the other one is looked for all the same.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-from stereo_pick.core.correspondence.cut_together import Way, ways_to_cut
+from stereo_pick.core.correspondence.cut_together import Way, is_told, ways_to_cut
 from stereo_pick.core.correspondence.located import TOP, is_flat
 from stereo_pick.core.correspondence.overlap import one_in_each_place
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
@@ -61,7 +62,8 @@ def _once(blobs: Blobs, dealt_with: Collection[Blob], matching: Matching) -> tup
     doubtful = {part for blob in unclear for part in parts[blob]}
     rows = [_unless_shapeless(row) if doubtful.intersection(row[0]) else row for row in rows]
     cut = _together([[blob for blob in side if blob in unclear] for side in sides], matching)
-    parts |= {whole: its for way, _ in cut for whole, its in way.wholes}
+    for each in cut:
+        parts |= _told(each)
     rows = [row for row in rows if all(any(blob in its for its in parts.values()) for blob in row[0])]
     return _opened(blobs, parts, rows + [row for _, both in cut for row in both])
 
@@ -113,23 +115,58 @@ def _unclear(parts: dict[Blob, list[Blob]], rows: list[Row]) -> set[Blob]:
     return unclear
 
 
-def _together(sides: Sequence[Sequence[Blob]], matching: Matching) -> list[tuple[Way, list[Row]]]:
-    """The likeliest ways to cut these objects by which both parts are found, with the parts."""
+_Cut = tuple[Way, list[Row]]
+"""A way to cut objects, and the two parts."""
+
+
+def _together(sides: Sequence[Sequence[Blob]], matching: Matching) -> list[_Cut]:
+    """The likeliest ways to cut these objects by which a part is found: such that both parts look alike in both views
+    and are found, or else those of all by which most is found."""
+    alike = _tried(sides, matching, alike=True)
+    found = _once_each([cut for cut in alike if _open(cut) == 0])
+    dealt_with = {blob for way, _ in found for blob in way.whole}
+    rest = [[blob for blob in side if blob not in dealt_with] for side in sides]
+    several = [cut for cut in alike if dealt_with.isdisjoint(cut[0].whole)] + _tried(rest, matching, alike=False)
+    return found + _once_each([cut for cut in sorted(several, key=_open) if _open(cut) < len(cut[1])])
+
+
+def _tried(sides: Sequence[Sequence[Blob]], matching: Matching, *, alike: bool) -> list[_Cut]:
+    """A few ways to cut each of these objects, the likeliest first."""
     tries: Counter[frozenset[Blob]] = Counter()
     tried = []
-    for way in ways_to_cut(sides[0], sides[1], matching.similarity):
-        tries[way.cut] += 1
-        if tries[way.cut] <= _TRIED:
+    for way in ways_to_cut(sides[0], sides[1], matching.similarity, alike):
+        objects = way.whole if alike else way.cut  # any may be the other part: they would be tried with each
+        tries[objects] += 1
+        if tries[objects] <= _TRIED:
             tried.append(way)
-    rows = [_unless_shapeless(row) for row in matching.bodies([pair for way in tried for pair in way.pairs])]
-    ranked = sorted(zip(tried, zip(rows[::2], rows[1::2])), key=lambda each: sum(bool(w.reason) for _, w in each[1]))
+    pairs = [pair for way in tried for pair in way.pairs]
+    told = [pair for pair in pairs if alike or all(is_told(part) for part in pair)]
+    rows = dict(_unless_shapeless(row) for row in matching.bodies(told))
+    return [(way, [(pair, rows[pair]) if pair in rows else _merged(pair) for pair in way.pairs]) for way in tried]
+
+
+def _open(cut: _Cut) -> int:
+    """How many of the parts are not found."""
+    return sum(bool(where.reason) for _, where in cut[1])
+
+
+def _once_each(cuts: Sequence[_Cut]) -> list[_Cut]:
+    """The first of those that tell a part of the same object."""
     taken: set[Blob] = set()
     found = []
-    for way, both in ranked:
-        if taken.isdisjoint(way.cut) and not all(where.reason for _, where in both):
-            found.append((way, list(both)))
-            taken |= way.cut
+    for cut in cuts:
+        told = _told(cut)
+        if taken.isdisjoint(told):
+            found.append(cut)
+            taken |= told.keys()
     return found
+
+
+def _told(cut: _Cut) -> dict[Blob, list[Blob]]:
+    """The objects of which a part is found, and their parts."""
+    way, both = cut
+    found = {part for pair, where in both if not where.reason for part in pair}
+    return {whole: its for whole, its in way.wholes if not found.isdisjoint(its)}
 
 
 def _parts(blob: Blob, max_concavity: float) -> list[Blob]:

@@ -20,11 +20,11 @@ from stereo_pick.core.correspondence.position import (
     by_stretched,
     by_supported,
 )
-from stereo_pick.core.objects.blob import CUT, SHARP
+from stereo_pick.core.objects.blob import CUT, MAY_BE_CUT, SHARP
 from stereo_pick.core.objects.splitting import may_be_two
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, fit_solids
-from stereo_pick.core.shapes.adjustment import is_astray
+from stereo_pick.core.shapes.adjusted import is_astray
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
@@ -32,7 +32,6 @@ from stereo_pick.core.shapes.tubes import tube_of
 
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
 _MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
-_MAY_BE_CUT = 0.25
 _SLIGHT = 0.25  # of max_concavity
 _NOTCH, _FADES = 0.5, 0.02  # of max_concavity, of the outline, in both views: light fades where the notch is
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
@@ -83,7 +82,7 @@ def _locate(
 
 
 def _may_be_several(blobs: BlobPair, max_concavity: float) -> bool:
-    if _is_notched(blobs, max_concavity) or max(blob.cut_share for blob in blobs) > _MAY_BE_CUT:
+    if _is_notched(blobs, max_concavity) or max(blob.cut_share for blob in blobs) > MAY_BE_CUT:
         return True
     return any(blob.concavity > _SLIGHT * max_concavity and may_be_two(blob) for blob in blobs)
 

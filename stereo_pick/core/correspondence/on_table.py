@@ -7,124 +7,77 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stereo_pick.core.correspondence.assignment import assign
+from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.frontier import reaches_down
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_each_place
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
-from stereo_pick.core.correspondence.similarity import Similarity
-from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.adjustment import adjusted
-from stereo_pick.core.shapes.below_faces import tables_below
-from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables, surely_on
-from stereo_pick.core.shapes.fitting import can_be_fitted
+from stereo_pick.core.shapes.common_table import hangs_above, stands_on, surely_on
 from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images, Supported
 from stereo_pick.core.shapes.standing import standing, standing_alike
 from stereo_pick.core.shapes.table import Table
 
-_ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 2.0, 4.0  # by how much the lit parts of one object may differ
 _SURE_PX = 0.2  # sigma from which a table may better a position
-_TRIED_TABLES, _TRIED_PAIRS = 4, 3
-_LEAST = 2  # objects that must stand on a table before they say more about it
 
 
 @dataclass(frozen=True, eq=False)
-class SecondLook:
-    """images: the views; pairs: what in them may be the lit parts of the same objects, not found without a table;
-    faces: thin solids that may be the lit tops of objects; flat_parts: whether parts may be as thin as a print."""
+class OnTable:
+    """images: the views; table: what the objects stand on; flat_parts: whether parts may be as thin as a print."""
 
     images: Images
-    pairs: Sequence[BlobPair]
-    faces: Sequence[tuple[BlobPair, SolidFit]]
+    table: Table
     flat_parts: bool
 
-    def found_table(self, kept: Sequence[Row]) -> Table | None:
-        """The table that the objects found agree on, with what the edges alone say of the others if need be; or one
-        that lit faces or one of the objects let suppose, and on which another object is found, too.
-
-        Where something is left to find on it, it is adjusted together with the objects that stand on it, and again with
-        those that are clearly what they seem, if others are not.
-        """
-        fits = [where.fit for _, where in kept if where.fit is not None]
-        table = self._agreed(fits, [*(blobs for blobs, where in kept if where.fit is None), *self.pairs])
-        if table is None or not self._leaves_open(kept, table):
-            return table
-        standing = [fit for fit in fits if stands_on(table, fit)]
-        if len(standing) < _LEAST:
-            return table
-        found, better = adjusted(standing, self.images.maps, self.images.rig, table, known=True)
-        clear = [each.fit for each in found if each.is_creased and not each.is_astray]
-        if not _LEAST <= len(clear) < len(standing):
-            return better
-        return adjusted(clear, self.images.maps, self.images.rig, better, known=True)[1]
-
-    def _leaves_open(self, kept: Sequence[Row], table: Table) -> bool:
-        return len(self.pairs) > 0 or not all(_is_sure(where, table) for _, where in kept)
-
-    def _agreed(self, fits: list[SolidFit], unknown: Sequence[BlobPair]) -> Table | None:
-        agreed = common_table(fits, self._level)
-        if agreed is not None:
-            return agreed
-        fits = fits + self._bodies()
-        return common_table(fits, self._level) or self._below_faces(fits) or self._verified(fits, unknown)
-
-    @property
-    def _level(self) -> list[SolidFit]:
-        return [fit for _, fit in self.faces]
-
-    def _bodies(self) -> list[SolidFit]:
-        """The solids, on whatever table, that the edges of both views support for the pairs."""
-        readings = [each for each in map(convex_outlines, self.pairs) if can_be_fitted(each)]
-        self.images.look_at(readings)
-        found = [self.images.best([each]) for each in readings]
-        return [each.fit for each in found if each is not None and not is_flat(each.fit, TOP)]
-
-    def _below_faces(self, fits: Sequence[SolidFit]) -> Table | None:
-        """The table below lit faces on which one of the objects is found, and another one is or stands already."""
-        tops = [blobs for blobs, _ in self.faces]
-        others = [pair for pair in self.pairs if not any(pair[0] is left for left, _ in tops)]
-        for table in tables_below(self._level, fits, self.images.maps, self.images.eyes_m):
-            found = [each.fit for each in self._on(table, [*tops, *others][:_TRIED_PAIRS]) if each]
-            standing = [fit for fit in _each_once(found, fits) if stands_on(table, fit)]
-            if found and len(standing) >= _LEAST:
-                return common_table(standing, self._level) or table
-        return None
-
-    def _verified(self, fits: Sequence[SolidFit], unknown: Sequence[BlobPair]) -> Table | None:
-        for table in supposed_tables(fits)[:_TRIED_TABLES]:
-            others = [found.fit for found in self._on(table, unknown[:_TRIED_PAIRS]) if found]
-            agreed = common_table(_each_once(others, fits), self._level) if others else None
-            if agreed is not None:
-                return agreed
-        return None
-
-    def seen_on(self, table: Table, kept: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+    def seen(self, kept: Sequence[Row], pairs: Sequence[BlobPair]) -> tuple[list[Row], list[Row]]:
         """What is found, and what must be refused.
 
         kept: what was found without the table; what is sure and stands on it stays. What stands on it, or is sure but
         hangs clear of it, is looked for as one of its own kind: that it ends there is hardly chance. All else, what
-        hangs and is none of its kind, and the pairs, is looked for as solids on the table.
+        hangs and is none of its kind, and the pairs (what may be the lit parts of the same objects), is looked for as
+        solids on the table, behind all that is found by then.
         """
-        found, unsure = _divided(kept, lambda where: _is_sure(where, table))
-        refused: list[Row] = []
-        bodies, open_ = _divided(unsure, lambda where: _stands(where, table) or _hangs(where, table))
-        unsure = bodies + open_
-        standing_there = self._alike_or_else_on(table, bodies)
-        standing_there += self._on(table, [*(blobs for blobs, _ in open_), *self.pairs])
-        without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(unsure, standing_there)])
-        for (blobs, where), on_it, in_the_air in zip(unsure, standing_there, without):
-            again = self._weighed(table, blobs, where, on_it, in_the_air)
-            (refused if again.reason else found).append((blobs, again))
-        for blobs, on_it in zip(self.pairs, standing_there[len(unsure) :]):
-            if on_it is not None:
-                found.append((blobs, by_supported(self.images.rig, on_it)))
+        found, unsure = _divided(kept, lambda where: is_sure(where, self.table))
+        bodies, open_ = _divided(unsure, self._stands_or_hangs)
+        behind = self._behind(found)
+        more, refused = behind._weighed_all(bodies, behind._alike_or_else(bodies))
+        found = found + more
+        behind = self._behind(found)
+        standing_there = behind.solids([*(blobs for blobs, _ in open_), *pairs])
+        more, others = behind._weighed_all(open_, standing_there[: len(open_)])
+        found += more
+        for blobs, solid in zip(pairs, standing_there[len(open_) :]):
+            if solid is not None:
+                found.append((blobs, by_supported(self.images.rig, solid)))
         found, twice = one_in_each_place(found)
-        found, behind = none_behind_another(found, self.images.rig)
-        return found, refused + twice + behind
+        found, hidden = none_behind_another(found, self.images.rig)
+        return found, refused + others + twice + hidden
+
+    def solids(self, pairs: Sequence[BlobPair]) -> list[Supported | None]:
+        """For each of these, of whatever kind, the solid that stands on the table; None where none is found."""
+        outlines = [convex_outlines(clear_of(blobs, self.images)) for blobs in pairs]
+        found = standing(self.images, outlines, self.table)
+        return [None if each is None or (is_flat(each.fit) and not self.flat_parts) else each for each in found]
+
+    def _behind(self, known: Sequence[Row]) -> OnTable:
+        """The same, where these are known to be."""
+        return replace(
+            self,
+            images=self.images.behind(
+                [where.fit for _, where in known if where.fit is not None and not where.is_rough]
+            ),
+        )
+
+    def _weighed_all(
+        self, rows: Sequence[Row], standing_there: Sequence[Supported | None]
+    ) -> tuple[list[Row], list[Row]]:
+        """What becomes of these: what is found, and what must be refused."""
+        without = self._in_the_air([where.fit if on_it else None for (_, where), on_it in zip(rows, standing_there)])
+        again = [(row[0], self._weighed(*row, *each)) for row, *each in zip(rows, standing_there, without)]
+        return [row for row in again if not row[1].reason], [row for row in again if row[1].reason]
 
     def _weighed(
-        self, table: Table, blobs: BlobPair, where: Located, on_it: Supported | None, in_the_air: Supported | None
+        self, blobs: BlobPair, where: Located, on_it: Supported | None, in_the_air: Supported | None
     ) -> Located:
         """What was found without the table against what would stand on it.
 
@@ -137,8 +90,8 @@ class SecondLook:
         if fit is None:
             if on_it is not None:
                 return by_supported(self.images.rig, on_it)
-            return where if reaches_down(*blobs, self.images.rig, table) else replace(where, reason="half_lit")
-        hangs = _hangs_clear(table, fit)
+            return where if reaches_down(*blobs, self.images.rig, self.table) else replace(where, reason="half_lit")
+        hangs = _hangs_clear(self.table, fit)
         if on_it is not None and in_the_air is not None:
             if on_it.support >= in_the_air.support - CHANCE or (hangs and on_it.is_exact):
                 return by_supported(self.images.rig, on_it)
@@ -146,7 +99,7 @@ class SecondLook:
                 off_m = on_it.fit.centre_m - fit.centre_m
                 unsure = replace(on_it, doubt=on_it.doubt + np.outer(off_m, off_m))
                 return by_supported(self.images.rig, unsure)
-        if stands_on(table, fit) or (hangs and not is_flat(fit, TOP)):
+        if stands_on(self.table, fit) or (hangs and not is_flat(fit, TOP)):
             return where
         if on_it is not None and on_it.is_exact:
             return by_supported(self.images.rig, on_it)
@@ -157,32 +110,21 @@ class SecondLook:
         found = iter(self.images.all_locked([fit.solid.turning_freely() for fit in fits if fit], None))
         return [next(found) if fit else None for fit in fits]
 
-    def _alike_or_else_on(self, table: Table, rows: Sequence[Row]) -> list[Supported | None]:
+    def _alike_or_else(self, rows: Sequence[Row]) -> list[Supported | None]:
         """Solids of the same kinds; and, for what hangs, of any kind."""
-        found = self._alike_on(table, rows)
-        hanging = [i for i, (_, where) in enumerate(rows) if found[i] is None and not _stands(where, table)]
-        for i, other in zip(hanging, self._on(table, [rows[i][0] for i in hanging])):
+        found = self._alike(rows)
+        hanging = [i for i, (_, where) in enumerate(rows) if found[i] is None and not _stands(where, self.table)]
+        for i, other in zip(hanging, self.solids([rows[i][0] for i in hanging])):
             found[i] = other
         return found
 
-    def _alike_on(self, table: Table, rows: Sequence[Row]) -> list[Supported | None]:
+    def _alike(self, rows: Sequence[Row]) -> list[Supported | None]:
         fits = [where.fit for _, where in rows if where.fit is not None]
-        return standing_alike(self.images, [convex_outlines(blobs) for blobs, _ in rows], fits, table)
+        outlines = [convex_outlines(clear_of(blobs, self.images, where.fit)) for blobs, where in rows]
+        return standing_alike(self.images, outlines, fits, self.table)
 
-    def _on(self, table: Table, pairs: Sequence[BlobPair]) -> list[Supported | None]:
-        found = standing(self.images, [convex_outlines(blobs) for blobs in pairs], table)
-        return [None if each is None or (is_flat(each.fit) and not self.flat_parts) else each for each in found]
-
-
-def _each_once(found: Sequence[SolidFit], fits: Sequence[SolidFit]) -> list[SolidFit]:
-    """The solids found, and those of the others that are none of them."""
-    return [*found, *(fit for fit in fits if not any(fit.overlaps(other) for other in found))]
-
-
-def lit_parts(left: Sequence[Blob], right: Sequence[Blob], disparities_px: tuple[float, float]) -> list[BlobPair]:
-    """What may be the lit parts of the same objects."""
-    cost = Similarity(_ROWS_PX, _OF_HEIGHT, _AREA_RATIO, disparities_px).costs(left, right)
-    return [(left[i], right[j]) for i, j in assign(cost, unmatched_cost=1.0)]
+    def _stands_or_hangs(self, where: Located) -> bool:
+        return _stands(where, self.table) or _hangs(where, self.table)
 
 
 def _divided(rows: Sequence[Row], is_so: Callable[[Located], bool]) -> tuple[list[Row], list[Row]]:
@@ -190,7 +132,8 @@ def _divided(rows: Sequence[Row], is_so: Callable[[Located], bool]) -> tuple[lis
     return [row for row in rows if is_so(row[1])], [row for row in rows if not is_so(row[1])]
 
 
-def _is_sure(where: Located, table: Table) -> bool:
+def is_sure(where: Located, table: Table) -> bool:
+    """Whether an object is known so well, and to stand on a table, that it need not be looked for on it."""
     return where.fit is not None and where.sigma_px <= _SURE_PX and surely_on(table, where.fit)
 
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
 from stereo_pick.core.correspondence.apart import Matching, taken_apart
 from stereo_pick.core.correspondence.assignment import assign
+from stereo_pick.core.correspondence.found_table import TableSearch
 from stereo_pick.core.correspondence.left_over import Unread, left_over
 from stereo_pick.core.correspondence.located import locate
-from stereo_pick.core.correspondence.on_table import SecondLook, lit_parts
+from stereo_pick.core.correspondence.on_table import OnTable
 from stereo_pick.core.correspondence.overlap import one_in_each_place
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.similarity import Similarity
@@ -84,13 +85,17 @@ class Reader:
 
     def table(self, first: FirstLook, others: Sequence[Row]) -> Table | None:
         """The table that the objects stand on, others with them."""
-        return self._second_look(first).found_table([*first.kept, *others]) if _have_edges(first.blobs) else None
+        if not _have_edges(first.blobs):
+            return None
+        flat = [(blobs, where.fit) for blobs, where in first.lost if where.fit is not None and where.reason == "flat"]
+        faces = [(blobs, fit) for blobs, fit in flat if max(blob.fading for blob in blobs) < _FADES]
+        return TableSearch(self.images, self._lit_parts(first), faces, self.flat_parts).table([*first.kept, *others])
 
     def read(self, first: FirstLook, table: Table | None) -> Reading:
         """What is found with the table, and what is refused."""
         kept, lost = first.kept, first.lost
         if table is not None and _have_edges(first.blobs):
-            kept, off = self._second_look(first).seen_on(table, kept)
+            kept, off = OnTable(self.images, table, self.flat_parts).seen(kept, self._lit_parts(first))
             lost = lost + off
         lost = [row for row in lost if not _any_of(row[0], blobs_of(kept)) and _all_of(row[0], first.blobs)]
         unread = [Unread(where.reason, *each) for each, where in lost]
@@ -98,11 +103,11 @@ class Reader:
         unread += left_over(first.blobs, blobs_of(kept + lost) + first.unclear, self.similarity)
         return Reading(kept, unread, table)
 
-    def _second_look(self, first: FirstLook) -> SecondLook:
-        pairs = lit_parts(*first.left_over(), self.similarity.disparities_px)
-        flat = [(blobs, where.fit) for blobs, where in first.lost if where.fit is not None and where.reason == "flat"]
-        faces = [(blobs, fit) for blobs, fit in flat if max(blob.fading for blob in blobs) < _FADES]
-        return SecondLook(self.images, pairs, faces, self.flat_parts)
+    def _lit_parts(self, first: FirstLook) -> list[BlobPair]:
+        """What is left over and may be the lit parts of the same objects."""
+        left, right = first.left_over()
+        cost = self.similarity.of_pieces().costs(left, right)
+        return [(left[i], right[j]) for i, j in assign(cost, unmatched_cost=1.0)]
 
     def _paired(self, left: Sequence[Blob], right: Sequence[Blob]) -> tuple[list[BlobPair], list[BlobPair]]:
         """The pairs of objects that belong together, and those that might as well be paired otherwise."""

@@ -5,20 +5,23 @@ A lying cylinder and its shadow have the silhouette of a box. What they have not
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.position import Row, by_supported
-from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
+from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
 from stereo_pick.core.shapes.solid_fit import SolidFit
-from stereo_pick.core.shapes.standing import exactly_standing
+from stereo_pick.core.shapes.standing import exactly_standing, most_supported
 from stereo_pick.core.shapes.table import Table
 
-_CREASED = 1 / 3  # of its creases, without which an object is no prism ...
+CREASED = 1 / 3  # of its creases, without which an object is no prism ...
 WELL_SHOWN = 0.92  # ... but with so much of its silhouette, all but its corners: its faces may be dark, or lit, alike
 
 
@@ -27,20 +30,21 @@ def reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None)
     if found.fit.kind == CYLINDER.name and found.is_astray:
         return None
     is_prism = isinstance(KINDS[found.fit.kind], Prism)
-    if found.is_seen and (found.creased >= _CREASED or not is_prism):
+    if found.is_seen and (found.creased >= CREASED or not is_prism):
         return row
     if not is_prism:
         return None
     return _as_cylinder(images, row, table) or (row if found.shown > WELL_SHOWN else None)
 
 
-def as_another(images: Images, row: Row, table: Table) -> tuple[Row, Adjusted] | None:
+def as_another(images: Images, row: Row, table: Table, before: Sequence[SolidFit]) -> tuple[Row, Adjusted] | None:
     """The same object as the solid on the table that the edges show clearly, if there is one: the one that was taken
-    may have gone on to the end of a shadow, or stood on the table as it was supposed to be."""
+    may have gone on to the end of a shadow, or stood on the table as it was supposed to be. before: solids
+    that may hide a part of it."""
     blobs, _ = row
     for each in exactly_standing(images, convex_outlines(blobs), table):
-        found = adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0]
-        if found.is_creased and not found.is_astray:
+        found = adjusted([each.fit], images.maps, images.rig, table, known=True, before=before)[0][0]
+        if found.is_clear:
             return (blobs, by_supported(images.rig, each)), found
     return None
 
@@ -68,5 +72,5 @@ def _as_cylinder(images: Images, row: Row, table: Table | None) -> Row | None:
     if not can_be_fitted(outlines):
         return None
     nearest, _ = nearest_of_kind([outlines], images.rig, CYLINDER, table)[outlines, CYLINDER]
-    found = images.locked(nearest, table)
-    return (blobs, by_supported(images.rig, found)) if found.believable else None
+    found = most_supported(images, [nearest], table)
+    return (blobs, by_supported(images.rig, found)) if found is not None else None

@@ -14,6 +14,8 @@ from stereo_pick.core.objects.blob import CUT
 _BEYOND_PX = 1.0  # by which the outline reaches beyond a cut where its end is the object's
 _ROUGHLY = 0.5  # of what the area of a cut object tells
 
+_ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 2.0, 4.0  # by how much pieces of one object may differ
+
 
 @dataclass(frozen=True)
 class Similarity:
@@ -27,6 +29,10 @@ class Similarity:
     shape_tolerance: float
     max_area_ratio: float
     disparities_px: tuple[float, float]
+
+    def of_pieces(self) -> Similarity:
+        """By how much pieces of an object may differ that each view shows: those that are lit, or not hidden."""
+        return Similarity(_ROWS_PX, _OF_HEIGHT, _AREA_RATIO, self.disparities_px)
 
     def costs(self, left: Sequence[Blob], right: Sequence[Blob]) -> Floats:
         """Cost (N, M) of every pair: 0 alike, 1 barely possible, inf impossible.

@@ -9,6 +9,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.position import (
     BlobPair,
@@ -17,11 +18,18 @@ from stereo_pick.core.correspondence.position import (
     centres_by_outlines_px,
     with_dark_ends,
 )
-from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN, as_another, is_flat_after_all, reconsidered
+from stereo_pick.core.correspondence.second_thoughts import (
+    CREASED,
+    WELL_SHOWN,
+    as_another,
+    is_flat_after_all,
+    reconsidered,
+)
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
+from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import KINDS, Prism
@@ -54,24 +62,32 @@ def adjusted_together(
 
     known: whether the table is known without them; flat_parts: whether parts may be flat.
     """
-    whole = [(blobs, with_dark_ends(images.rig, blobs, where)) for blobs, where in rows]
+    whole = [_with_dark_ends(images, row, rows) for row in rows]
     rest = [row for row in whole if row[1].fit is None or row[1].is_rough]
     solids = [row for row in whole if row not in rest]
     found, common = _adjusted(images, solids, table, known)
     # on the table as it was: what is mistaken has its part in how it is now
-    others = [reconsidered(images, row, each, table) for row, each in zip(solids, found)]
+    behind = images.behind([each.fit for each in found if each.is_clear])
+    others = [reconsidered(behind, row, each, table) for row, each in zip(solids, found)]
     unlike = [row for row, other in zip(solids, others) if other is None]
     astray = [row for row, other, each in zip(solids, others, found) if other is row and each.is_astray]
     sound = [other for other in others if other is not None and other not in astray]
     if sound != solids:
         found, common = _adjusted(images, sound, table, known)
     unlike += [row for row, each in zip(sound, found) if not each.is_seen]
-    sure = [(row, each) for row, each in zip(sound, found) if each.is_seen]
-    others_after_all, unlike = _looked_for_again(images, unlike, sure, common)
-    placed = [row if each.is_astray else _placed(images, row, each, common) for row, each in sure + others_after_all]
+    seen = [(row, each) for row, each in zip(sound, found) if each.is_seen]
+    seen, unlike = _looked_for_again(images, unlike, seen, common)
+    placed = [row if each.is_astray else _placed(images, row, each, common) for row, each in seen]
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
     refused = [Unread("other_shape", *blobs) for blobs, _ in unlike] + [Unread("flat", *blobs) for blobs, _ in flat]
     return Together(rest + astray + [row for row in placed if row not in flat], refused, common)
+
+
+def _with_dark_ends(images: Images, row: Row, rows: Sequence[Row]) -> Row:
+    """The same with the ends that its own outlines, where they are clear of the others, leave out."""
+    blobs, where = row
+    others = [each.fit for _, each in rows if each is not where and each.fit is not None]
+    return blobs, with_dark_ends(images.rig, clear_of(blobs, images.behind(others), where.fit), where)
 
 
 def _adjusted(
@@ -82,18 +98,35 @@ def _adjusted(
 
 
 def _looked_for_again(
-    images: Images, unlike: Sequence[Row], sure: Sequence[tuple[Row, Adjusted]], table: Table | None
+    images: Images, unlike: Sequence[Row], seen: Sequence[tuple[Row, Adjusted]], table: Table | None
 ) -> tuple[list[tuple[Row, Adjusted]], list[Row]]:
-    """Those that are another solid, on the table as it is at last and where none of the sure ones is; and the rest."""
-    found: list[tuple[Row, Adjusted]] = []
+    """Those that are seen, some of them as another solid on the table as it is at last: what its outlines are unlike,
+    and what lacks its creases, is looked for again where none of the others is; and what stays unlike its outlines."""
+    if table is None:
+        return list(seen), list(unlike)
+    found = [(row, each) for row, each in seen if each.creased >= CREASED]
+    before = [each.fit for _, each in found if each.is_clear]
+    behind = images.behind(before)
+    for row, as_it_was in [one for one in seen if one not in found]:
+        others = [each for one, each in [*seen, *found] if one is not row]
+        found.append(_another_beside(others, behind, row, table, before) or (row, as_it_was))
     still_unlike = []
     for row in unlike:
-        another = as_another(images, row, table) if table else None
-        if another is None or any(another[1].fit.overlaps(each.fit) for _, each in [*sure, *found]):
+        another = _another_beside([each for _, each in found], behind, row, table, before)
+        if another is None:
             still_unlike.append(row)
         else:
             found.append(another)
     return found, still_unlike
+
+
+def _another_beside(
+    others: Sequence[Adjusted], behind: Images, row: Row, table: Table, before: Sequence[SolidFit]
+) -> tuple[Row, Adjusted] | None:
+    another = as_another(behind, row, table, before)
+    if another is None or any(another[1].fit.overlaps(each.fit) for each in others):
+        return None
+    return another
 
 
 def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row:

@@ -17,6 +17,9 @@ MAX_CONCAVITY = 0.15
 SHARP = 0.25
 """Sharpness from which a contour point is on an edge, and not where light merely fades."""
 
+MAY_BE_CUT = 0.25
+"""Part of an outline that may lie on a cut, where nothing else tells that the rest is one part's."""
+
 _ON_HULL_PX = 1.0
 _CORNER = 0.25  # of a part's width, from a cut, that the shade between two parts reaches
 

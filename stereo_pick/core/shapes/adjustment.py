@@ -10,19 +10,21 @@ these five.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats, Ints
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.arcs import arc_sigmas_px, usual_sigma_px
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, Seen, edges_seen
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.flush import touching
 from stereo_pick.core.shapes.kinds import KINDS
+from stereo_pick.core.shapes.occluders import Hide, Occluders
 from stereo_pick.core.shapes.refinement import moved
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
@@ -37,39 +39,7 @@ _UNKNOWN = 1000.0  # sigma
 _TURN_RAD = 0.0003  # sigma of the right camera's turns that the ends of outlines do not tell
 _KNOWN_TILT_RAD = np.deg2rad(0.5)  # sigma of a table that is known
 _FOOT_M = 0.00008  # sigma of the middle of what stands in its own shadow: that hides where it ends
-_ASTRAY_PX = 0.3  # from its edges
-_MOST_CREASES, _MOST_SHOWN = 2 / 3, 3 / 4  # of its creases, of its silhouette
 _BESIDE_M = 0.1  # from the middle of the solids, where others may stand
-
-
-@dataclass(frozen=True, eq=False)
-class Adjusted:
-    """fit: the solid; shown, creased: the part of its silhouette that lies on edges, the least of both views, and of
-    its creases (1 where none is seen)."""
-
-    fit: SolidFit
-    shown: float
-    creased: float
-
-    @property
-    def is_astray(self) -> bool:
-        """Whether it is not what the edges show."""
-        return is_astray(self.fit)
-
-    @property
-    def is_creased(self) -> bool:
-        """Whether most of its creases show, so that it is hardly anything else."""
-        return self.creased >= _MOST_CREASES
-
-    @property
-    def is_seen(self) -> bool:
-        """Whether it shows enough of itself: what lacks its creases, like a tube black to its rim, shows all around."""
-        return self.is_creased or self.shown > _MOST_SHOWN
-
-
-def is_astray(fit: SolidFit) -> bool:
-    """Whether a solid lies so far off the edges that they do not show it, or not so finely."""
-    return fit.residual_px > _ASTRAY_PX
 
 
 class _Group(NamedTuple):
@@ -78,6 +48,10 @@ class _Group(NamedTuple):
     rows: Ints
     solids: Solids
     on_table: Bools
+
+    def hidden_by(self, occluders: Occluders) -> Hide:
+        """Which places of a view others hide."""
+        return partial(occluders.hide, self.solids, own=self.rows)
 
 
 class _System(NamedTuple):
@@ -100,19 +74,25 @@ class _Plane(NamedTuple):
 
 
 def adjusted(
-    fits: Sequence[SolidFit], views: Sequence[EdgeMap], rig: StereoRig, table: Table | None, known: bool = False
+    fits: Sequence[SolidFit],
+    views: Sequence[EdgeMap],
+    rig: StereoRig,
+    table: Table | None,
+    known: bool = False,
+    before: Sequence[SolidFit] = (),
 ) -> tuple[list[Adjusted], Table | None]:
     """The solids (at least one), and the table, that all edges together support best.
 
     known: whether the table is known without them, and is moved within its sigma only. Those that stand or lie on it
-    stay there.
+    stay there. before: others that may hide some of them, as they may each other.
     """
     groups = _groups(fits, table)
+    occluders = Occluders.of([*fits, *before], rig)
     plane = _plane(table, fits) if table else None
     prior = _prior(plane.table if plane and known else None)
     moved_by = np.zeros(5)  # tilts and height of the table, turns of the right camera
     for round_ in range(_ROUNDS + 1):
-        edges = [edges_seen(group.solids, views, rig, moved_by[3:]) for group in groups]
+        edges = [edges_seen(group.solids, views, rig, moved_by[3:], group.hidden_by(occluders)) for group in groups]
         seen = [each.evidence(usual_sigma_px(each.scale_px, each.shown)) for each in edges]
         systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
         step, covariance = _solved(systems, prior, moved_by)

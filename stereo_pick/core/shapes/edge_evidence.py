@@ -19,6 +19,7 @@ from stereo_pick.core.shapes.edge_rows import CreaseRows, EdgeRows
 from stereo_pick.core.shapes.kinds import cross, dot
 from stereo_pick.core.shapes.locking import ON_EDGE_PX, edges_beside, trust
 from stereo_pick.core.shapes.nearest import nearest_tangents
+from stereo_pick.core.shapes.occluders import Hide, share_seen
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.refinement import robust_scale
 from stereo_pick.core.shapes.residuals import residuals
@@ -64,19 +65,27 @@ class Seen(NamedTuple):
         return EdgeEvidence(normal + more, right + more_right, self.scale_px, self.shown, self.inner.shown())
 
 
-def edges_seen(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, turn_rad: Floats = _STILL) -> Seen:
-    """What two rectified views show beside and across solids (S); turn_rad: (2,), how the right camera has turned.
+def edges_seen(
+    solids: Solids,
+    views: Sequence[EdgeMap],
+    rig: StereoRig,
+    turn_rad: Floats = _STILL,
+    hide: Hide | None = None,
+) -> Seen:
+    """What two rectified views show beside and across solids (S); turn_rad: (2,), how the right camera has turned;
+    hide: which of its places (S, N, 2), normalized, in a view are hidden (S, N).
 
     Where two faces meet parts are rounded, and it is a matter of the light where on the round the edge appears: each
     crease may slide, as one in both views.
     """
     corners = silhouettes(solids, rig.eyes_m)
-    outer, inner = _silhouettes(solids, corners, views, rig), _creases(solids, corners, views, rig)
+    outer, hidden = _silhouettes(solids, corners, views, rig, hide)
+    inner = _creases(solids, corners, views, rig, hide)
     outer, inner = outer.turned(turn_rad), inner._replace(rows=inner.rows.turned(turn_rad))
     slid = inner.at_edges()
     scale = _scale_px(outer, slid)
-    shown = outer.on_edge().reshape(len(scale), 2, -1).mean(axis=2).min(axis=1)
     in_views = (len(scale), 2, -1)
+    shown = share_seen(outer.on_edge().reshape(in_views), hidden).min(axis=1)
     near = (outer.weight * outer.nearness(scale)).reshape(in_views)
     length_px = outer.length_px.reshape(in_views).sum(axis=2)
     arcs = arcs_of(outer.residual_px.reshape(in_views), near, length_px, outer.jacobian.shape[2] - 2)
@@ -89,8 +98,11 @@ def _scale_px(outer: EdgeRows, inner: EdgeRows) -> Floats:
     return np.where(np.isfinite(scale), scale, ON_EDGE_PX)
 
 
-def _silhouettes(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig) -> EdgeRows:
-    outlines, *_ = edges_beside(corners, views, _POINTS)
+def _silhouettes(
+    solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig, hide: Hide | None
+) -> tuple[EdgeRows, Bools]:
+    """Their edges, and which points (S, 2, N) of them are hidden."""
+    outlines, offsets, _ = edges_beside(corners, views, _POINTS, hide=hide)
     sight = Sight.of(outlines, rig)
     residual, jacobian = residuals(sight, solids, nearest_tangents(sight, solids))
     ahead = np.diff(sight.points, axis=2, append=sight.points[:, :, :1]) * rig.focal_px
@@ -99,7 +111,7 @@ def _silhouettes(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig:
     weight = sight.weight.reshape(residual.shape)
     by_turns = np.zeros((*residual.shape, 2))
     by_turns[:, _POINTS:] = _turning_px(sight.points[:, 1], sight.normals[:, 1], rig.focal_px)
-    return EdgeRows(residual, np.concatenate([jacobian, by_turns], axis=2), weight, length_px)
+    return EdgeRows(residual, np.concatenate([jacobian, by_turns], axis=2), weight, length_px), np.isnan(offsets)
 
 
 def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
@@ -108,14 +120,18 @@ def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
     return -focal_px * np.stack([dot(normals, moved) for moved in turning(points)], axis=-1)
 
 
-def _creases(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig) -> CreaseRows:
-    sides = [_creases_in(solids, corners[:, i], rig.eyes_m[i], view, i == 1) for i, view in enumerate(views)]
+def _creases(
+    solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig, hide: Hide | None
+) -> CreaseRows:
+    sides = [_creases_in(solids, corners[:, i], rig.eyes_m[i], view, i, hide) for i, view in enumerate(views)]
     rows = EdgeRows(*(np.concatenate(each, axis=1) for each in zip(*(side.rows for side in sides))))
-    slides, there = (np.concatenate(each, axis=1) for each in zip(*(side[1:] for side in sides)))
-    return CreaseRows(rows, slides, there)
+    slides, there, hidden = (np.concatenate(each, axis=1) for each in zip(*(side[1:] for side in sides)))
+    return CreaseRows(rows, slides, there, hidden)
 
 
-def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, may_turn: bool) -> CreaseRows:
+def _creases_in(
+    solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, side: int, hide: Hide | None
+) -> CreaseRows:
     """Those of one view, each measured across the crease."""
     inner = creases(solids, eye_m[None])
     own = inner.unit[:, 0] * solids.half_m[:, None, solids.kind.axes]
@@ -127,17 +143,18 @@ def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, m
     length = np.sqrt(dot(along, along))
     normals = np.stack([along[..., 1], -along[..., 0]], axis=-1) / (length[..., None] + _TINY)
     seen = inner.seen[:, 0] & (length > _TINY)
-    offset, weight = _measured(view, image * focal + view.camera.P[:2, 2], normals, seen)
+    hidden = hide(image, side) if hide else np.zeros(seen.shape, bool)
+    offset, weight = _measured(view, image * focal + view.camera.P[:2, 2], normals, seen & ~hidden)
     # How a point's image moves across its crease with the point: (S, K, 3).
     across = np.concatenate([normals, -dot(image, normals)[..., None]], axis=2) * focal / depth_m
     turned = across @ solids.rotation
     turns = cross(own, turned) @ solids.turns
     sizes = (own * turned) @ (solids.kind.shares / solids.half_m[:, None])
-    by_turns = _turning_px(image, normals, focal) * may_turn
+    by_turns = _turning_px(image, normals, focal) * side  # of the right camera
     jacobian = np.concatenate([across, turns, sizes, by_turns], axis=2)
     rows = EdgeRows(offset, jacobian, weight, _spacing_px(image * focal))
     clear = seen & (inside(image, corners) * focal > _CLEAR_PX)
-    return CreaseRows(rows, dot(turned, inner.slide[:, 0]), clear)
+    return CreaseRows(rows, dot(turned, inner.slide[:, 0]), clear, hidden)
 
 
 def _measured(view: EdgeMap, points_px: Floats, normals: Floats, seen: Bools) -> tuple[Floats, Floats]:

@@ -11,6 +11,7 @@ from stereo_pick.core.shapes.arcs import USUAL_SIGMA_PX
 from stereo_pick.core.shapes.creases import POINTS as CREASE_POINTS
 from stereo_pick.core.shapes.evidence import ARC_PX
 from stereo_pick.core.shapes.locking import ON_EDGE_PX
+from stereo_pick.core.shapes.occluders import share_seen
 from stereo_pick.core.shapes.refinement import LEAST_SCALE_PX, tukey
 
 _ROUNDED_M = 0.0003  # one sigma of how far a crease slides
@@ -51,11 +52,12 @@ class EdgeRows(NamedTuple):
 
 class CreaseRows(NamedTuple):
     """rows; slides: (S, M), by how many pixels each point moves as its crease slides towards the one face [px/m];
-    there: (S, M), whether the crease is seen, clear of the silhouette."""
+    there: (S, M), whether the crease would be seen, clear of the silhouette; hidden: (S, M), by others."""
 
     rows: EdgeRows
     slides: Floats
     there: Bools
+    hidden: Bools
 
     def along(self, values: Floats) -> Floats:
         """Sums (S, C, ...) along each crease, in both views, of values (S, M, ...)."""
@@ -84,7 +86,6 @@ class CreaseRows(NamedTuple):
         return normal, right + (shared * by_m[..., None]).sum(axis=1)
 
     def shown(self) -> Floats:
-        """The part (S,) of what is there that lies on edges; 1 where nothing is."""
-        expected = self.there.sum(axis=1)
-        found = (self.rows.on_edge() & self.there).sum(axis=1)
-        return np.where(expected > 0, found / np.maximum(expected, 1), 1.0)
+        """The part (S,) of what is there that lies on edges, as of `share_seen`; 1 where nothing is."""
+        found = share_seen(self.rows.on_edge() & self.there, self.hidden, self.there)
+        return np.where(self.there.any(axis=1), found, 1.0)

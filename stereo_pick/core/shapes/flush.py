@@ -36,7 +36,7 @@ def touching(solids: Solids, table: Table, across: Floats, middle_m: Floats) -> 
     the tilts of that; a line has one, a point none.
     """
     up = table.normal @ solids.rotation
-    own, flat = _resting(solids.kind, up)
+    own, flat = resting(solids.kind, up)
     touched = _touched(solids, up, own, flat)
     height_m, by_solid = table.above(solids, touched)
     touch = Touching(np.zeros((len(up), 3)), np.zeros((len(up), 3, by_solid.shape[1])), np.zeros((len(up), 3, 3)))
@@ -77,7 +77,7 @@ def _touched(solids: Solids, up: Floats, own: Floats, flat: Bools) -> Floats:
     return np.asarray(np.where(flat[:, None], along, touched - along))
 
 
-def _resting(kind: Kind, up: Floats) -> tuple[Floats, Bools]:
+def resting(kind: Kind, up: Floats) -> tuple[Floats, Bools]:
     """The axis (S, 3), in the solids' own, that is upright where each (S,) rests flat on a face, else level, if any.
 
     up: (S, 3), the normal in the solids' axes.

@@ -14,6 +14,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.kinds import HEX_PRISM, SPHERE
+from stereo_pick.core.shapes.occluders import Occluders
 from stereo_pick.core.shapes.predicted import along_polygon, inside, silhouettes
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
@@ -41,8 +42,15 @@ class _Look(NamedTuple):
 _FEW, _ALL = _Look(24, 1.5 + _STEP_PX, 0.5), _Look(72, 1.5, 0.75)
 
 
-def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap], table: Table | None = None) -> Solids | None:
-    """The stretched solid whose new silhouette the views show best, or None where none shows; solid: S = 1.
+def grown(
+    solid: Solids,
+    eyes_m: Floats,
+    views: Sequence[EdgeMap],
+    table: Table | None = None,
+    occluders: Occluders | None = None,
+) -> Solids | None:
+    """The stretched solid whose new silhouette the views show best, or None where none shows; solid: S = 1. occluders:
+    what hides a part of it.
 
     Where there is nothing around the object, a few lengths seen by one eye show that already. What is left of a
     hexagonal prism without one of its sides is no such prism: only its bare face can be part of a longer one.
@@ -55,14 +63,14 @@ def grown(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap], table: Table 
     old = silhouettes(solid, eyes_m)[0]
     lengths_m = _lengths_m(solid, views[0].camera.P[0, 0])
     few = _stretched(solid, ways, lengths_m[_TOGETHER // 2 :: _TOGETHER])
-    share, _ = _shown(few, old[0], eyes_m[:1], views[0], _FEW)
+    share, _ = _shown(few, old, eyes_m, views, 0, _FEW, occluders)
     likely = np.repeat((share >= _FEW.enough).reshape(-1, len(lengths_m) // _TOGETHER), _TOGETHER, axis=1)
     if not likely.any():
         return None
     candidates = _stretched(solid, ways, lengths_m).only(np.flatnonzero(likely))
     share, count = np.ones(len(candidates.centre_m)), np.zeros(len(candidates.centre_m))
-    for i, view in enumerate(views):
-        part, points = _shown(candidates, old[i], eyes_m[i : i + 1], view, _ALL)
+    for i in range(len(views)):
+        part, points = _shown(candidates, old, eyes_m, views, i, _ALL, occluders)
         left = np.flatnonzero(part >= _ALL.enough)
         if not len(left):
             return None
@@ -76,19 +84,28 @@ def shown_parts(solids: Solids, face: Solids, eyes_m: Floats, views: Sequence[Ed
     """The part (S,) of each solid's silhouette outside that of their face (S = 1) which lies on edges, and of its far
     end: the least of both views."""
     old = silhouettes(face, eyes_m)[0]
-    seen = [_shown(solids, old[i], eyes_m[i : i + 1], view, _ALL)[0] for i, view in enumerate(views)]
+    seen = [_shown(solids, old, eyes_m, views, i, _ALL)[0] for i in range(len(views))]
     return np.asarray(np.min(seen, axis=0))
 
 
-def _shown(solids: Solids, old: Floats, eye_m: Floats, view: EdgeMap, look: _Look) -> tuple[Floats, Floats]:
-    """The part (S,) of each solid's silhouette outside the old one (K, 2) that a view shows, and on how many points.
-
-    eye_m: (1, 3), the view's place.
-    """
+def _shown(
+    solids: Solids,
+    old: Floats,
+    eyes_m: Floats,
+    views: Sequence[EdgeMap],
+    side: int,
+    look: _Look,
+    occluders: Occluders | None = None,
+) -> tuple[Floats, Floats]:
+    """The part (S,) of each solid's silhouette outside the old one (E, K, 2) that one view shows, as far as it is not
+    hidden, and on how many points; side: which view."""
+    view = views[side]
     focal = view.camera.P[0, 0]
-    points, normals = along_polygon(silhouettes(solids, eye_m)[:, 0], look.points)
-    distance_px = -inside(points, old[None]) * focal
+    points, normals = along_polygon(silhouettes(solids, eyes_m[side : side + 1])[:, 0], look.points)
+    distance_px = -inside(points, old[side][None]) * focal
     fresh = distance_px > _NEW_PX
+    if occluders is not None:
+        fresh &= ~occluders.hide(solids, points, side)
     far = fresh & (distance_px > _FAR * distance_px.max(axis=1, keepdims=True))
     pixels = points * focal + view.camera.P[:2, 2]
     on_edge = view.shows(pixels.reshape(-1, 2), normals.reshape(-1, 2), look.reach_px)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -18,6 +19,7 @@ from stereo_pick.core.shapes.fitting import NOISE_PX, Nearest, Pair, nearest_of_
 from stereo_pick.core.shapes.growing import grown, is_longer
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE, Kind
 from stereo_pick.core.shapes.locking import Locked, lock
+from stereo_pick.core.shapes.occluders import Occluders
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
@@ -36,7 +38,8 @@ _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth 
 
 @dataclass(frozen=True, eq=False)
 class Supported:
-    """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges; off_px:
+    """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges as
+    far as it is not hidden; off_px:
     how far these lie off, as a median, by more than noise moves such weak edges; doubt: covariance (3, 3) [m²] of its
     centre as it may be another solid, which no better fit of this one makes less."""
 
@@ -72,6 +75,18 @@ class Images:
         self.nearest: Nearest = {}
         self._longer: dict[tuple[Solids, Table | None], Supported | None] = {}
         self._locked: dict[tuple[Solids, Table | None], Supported] = {}
+        self.occluders: Occluders | None = None
+
+    def behind(self, fits: Sequence[SolidFit]) -> Images:
+        """The same views, where these solids, and no others, are known to be: what they hide of others speaks neither
+        for nor against those. The same object where there are none."""
+        if not fits:
+            return self
+        found = copy(self)
+        found.maps = self.maps  # made once for both
+        found._longer, found._locked = {}, {}
+        found.occluders = Occluders.of(fits, self.rig)
+        return found
 
     @cached_property
     def maps(self) -> list[EdgeMap]:
@@ -105,7 +120,7 @@ class Images:
 
     def _stretch(self, solids: Sequence[Solids], table: Table | None) -> None:
         new = [solid for solid in solids if (solid, table) not in self._longer]
-        grown_ones = [grown(solid, self.eyes_m, self.maps, table) for solid in new]
+        grown_ones = [grown(solid, self.eyes_m, self.maps, table, self.occluders) for solid in new]
         self._lock([each for each in grown_ones if each is not None], table)
         for solid, stretched in zip(new, grown_ones):
             longer = None if stretched is None else self._locked[stretched, table]
@@ -127,7 +142,7 @@ class Images:
             if (solid, table) not in self._locked:
                 alike.setdefault((solid.kind, solid.turns.shape[2]), []).append(solid)
         for several in alike.values():
-            locked = lock(Solids.joined(several), self.maps, self.rig, table)
+            locked = lock(Solids.joined(several), self.maps, self.rig, table, self.occluders)
             for i, solid in enumerate(several):
                 self._locked[solid, table] = _supported(locked, i, table)
 

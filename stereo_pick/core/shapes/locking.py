@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges, find_edges
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.sampling import sampled
 from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
 from stereo_pick.core.shapes.foot import shadow_px
+from stereo_pick.core.shapes.occluders import Occluders, share_seen
 from stereo_pick.core.shapes.outline import POINTS, Outline
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
@@ -42,27 +44,44 @@ class Locked:
     sigma_px: Floats
 
 
-def lock(solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, table: Table | None = None) -> Locked:
-    """Refine solids, each by itself, on the edges of the two rectified views near its silhouette, of either sign."""
+def lock(
+    solids: Solids,
+    views: Sequence[EdgeMap],
+    rig: StereoRig,
+    table: Table | None = None,
+    occluders: Occluders | None = None,
+) -> Locked:
+    """Refine solids, each by itself, on the edges of the two rectified views near its silhouette, of either sign.
+
+    occluders: what hides a part of it.
+    """
     for round_ in range(_ROUNDS + 1):
         corners = silhouettes(solids, rig.eyes_m)
-        outlines, offsets, sigmas = edges_beside(corners, views, POINTS, _SHIFTS_PX if round_ == 0 else (0.0,))
+        shifts_px = _SHIFTS_PX if round_ == 0 else (0.0,)
+        hide = partial(occluders.hide, solids) if occluders else None
+        outlines, offsets, sigmas = edges_beside(corners, views, POINTS, shifts_px, hide)
         sight = Sight.of(outlines, rig, table)
         now = fitted(sight, solids)
         held = np.flatnonzero(sight.weight.sum(axis=2).min(axis=1) >= _LEAST_HELD)
         if round_ == _ROUNDS or not len(held):
             break
         solids = solids.replaced(held, refine(sight.only(held), now.only(held), rounds=3).solids)
-    return Locked(now, (offsets < ON_EDGE_PX).mean(axis=2), sigmas.reshape(len(sigmas), -1))
+    shown = share_seen(offsets < ON_EDGE_PX, np.isnan(offsets))
+    return Locked(now, shown, sigmas.reshape(len(sigmas), -1))
 
 
 def edges_beside(
-    corners: Floats, views: Sequence[EdgeMap], points: int, shifts_px: Sequence[float] = (0.0,)
+    corners: Floats,
+    views: Sequence[EdgeMap],
+    points: int,
+    shifts_px: Sequence[float] = (0.0,),
+    hide: Callable[[Floats, int], Bools] | None = None,
 ) -> tuple[list[tuple[Outline, Outline]], Floats, Floats]:
     """The edges next to so many points of silhouettes (S, 2, K, 2), as outlines; how far (S, 2, N) [px] they lie off,
-    infinite where there is none; and their sigmas (S, 2, N) [px].
+    infinite where there is none, not a number where it would be hidden; and their sigmas (S, 2, N) [px].
 
-    shifts_px: where along each normal they are looked for.
+    shifts_px: where along each normal they are looked for; hide: which places (S, N, 2), normalized, of a view are
+    hidden (S, N).
     """
     places, normals = (
         each.reshape(*corners.shape[:2], points, 2)
@@ -72,10 +91,12 @@ def edges_beside(
     for i, view in enumerate(views):
         pixels, across = places[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
         offset, weight, sigma = _edges_near(view, pixels, across, shifts_px)
+        hidden = hide(places[:, i], i) if hide else np.zeros(weight.shape, bool)
+        weight[hidden] = 0.0
         edges = pixels - offset[..., None] * across
         outlines.append([Outline(*side, np.zeros(points)) for side in zip(edges, across, weight)])
         sigmas.append(sigma)
-        offsets.append(np.where(weight > 0, np.abs(offset), np.inf))
+        offsets.append(np.where(hidden, np.nan, np.where(weight > 0, np.abs(offset), np.inf)))
     return list(zip(*outlines)), np.stack(offsets, axis=1), np.stack(sigmas, axis=1)
 
 

@@ -12,7 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
+from stereo_pick.core.shapes.flush import resting
 from stereo_pick.core.shapes.growing import shown_parts
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
@@ -23,6 +25,8 @@ from stereo_pick.core.shapes.table import Table
 
 _UPRIGHT = np.cos(np.deg2rad(25))  # of an axis that the outlines alone put so near to upright
 _OPEN = 0.25  # of a solid's size by which a rival's centre may be off
+_AGREE = 7.8  # squared sigmas, in three dimensions
+_TINY = 1e-12
 _FOOT = 0.5  # part of what a body has below its top, and of its far end, that must lie on edges
 
 
@@ -31,7 +35,7 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
     where there is none to believe in."""
     candidates = _candidates(images, [pair for pair in pairs if can_be_fitted(pair)], table)
     images.all_locked([solid for several in candidates.values() for solid in several], table)
-    found = [_most_supported(images, candidates.get(pair, []), table) for pair in pairs]
+    found = [most_supported(images, candidates.get(pair, []), table) for pair in pairs]
     return [each or _below_face(images, pair, table) for each, pair in zip(found, pairs)]
 
 
@@ -65,19 +69,24 @@ def _shows_foot(images: Images, body: Supported, top: Solids) -> bool:
 def standing_alike(
     images: Images, pairs: Sequence[Pair], fits: Sequence[SolidFit], table: Table
 ) -> list[Supported | None]:
-    """The same of objects that solids explain already: of the same kinds, and below the same tops."""
+    """The same of objects that solids explain already: these, others of the same kinds, and below the same tops."""
     candidates = []
     for pair, fit in zip(pairs, fits):
         kind = KINDS[fit.kind]
         on_table = [nearest_of_kind([pair], images.rig, kind, table)[pair, kind][0]] if can_be_fitted(pair) else []
-        candidates.append([*on_table, *(each for each in (down_to(fit.solid, table),) if each is not None)])
+        itself = [set_down(fit.solid, table)] if stands_on(table, fit) else []
+        below = down_to(fit.solid, table)
+        candidates.append([*on_table, *itself, *([] if below is None else [below])])
     images.all_locked([solid for several in candidates for solid in several], table)
-    return [_most_supported(images, several, table) for several in candidates]
+    return [most_supported(images, several, table) for several in candidates]
 
 
-def _most_supported(images: Images, candidates: Sequence[Solids], table: Table) -> Supported | None:
-    """A piece of a solid has the support of the sides that it shares with the whole: what goes on further, with as much
-    support, is the whole."""
+def most_supported(images: Images, candidates: Sequence[Solids], table: Table | None) -> Supported | None:
+    """The solid of these, or longer than these, that the edges show best; None where none is to be believed.
+
+    A piece of a solid has the support of the sides that it shares with the whole: what goes on further, with as much
+    support, is the whole.
+    """
     found = [each for each in images.all_locked(candidates, table) if each.believable]
     best = max(found, key=lambda each: each.score, default=None)
     if best is None:
@@ -89,13 +98,20 @@ def _most_supported(images: Images, candidates: Sequence[Solids], table: Table) 
 
 
 def _no_surer_than_rivals(best: Supported, others: Sequence[Supported]) -> Supported | None:
-    """The same, its centre as unsure as it is which of several solids it is that are supported about as well; None
-    where that leaves its place open."""
-    rivals = [each for each in others if each.score > best.score - CHANCE]
-    off_m = max((each.fit.centre_m - best.fit.centre_m for each in rivals), key=lambda off: float(off @ off))
+    """The same, its centre as unsure as it is which of several solids it is that are supported about as well and do not
+    agree with it; None where that leaves its place open."""
+    rivals = [each for each in others if each.score > best.score - CHANCE and not _agree(each.fit, best.fit)]
+    offs_m = [each.fit.centre_m - best.fit.centre_m for each in rivals]
+    off_m = max(offs_m, key=lambda off: float(off @ off), default=np.zeros(3))
     if np.linalg.norm(off_m) > _OPEN * best.fit.size_m.mean():
         return None
     return replace(best, doubt=float(off_m @ off_m) * np.eye(3))  # it may be neither of them
+
+
+def _agree(one: SolidFit, other: SolidFit) -> bool:
+    """Whether two solids are at one place, as far as that is known."""
+    off_m = one.centre_m - other.centre_m
+    return bool(off_m @ np.linalg.solve(one.covariance + other.covariance, off_m) < _AGREE)
 
 
 def _candidates(images: Images, pairs: Sequence[Pair], table: Table) -> dict[Pair, list[Solids]]:
@@ -133,6 +149,16 @@ def down_to(solid: Solids, table: Table) -> Solids | None:
     centre_m = top_m - table.normal * height_m / 2
     found = Solids(kind, centre_m[None], rotation[None], half_m[None], np.zeros((1, 3, 0)))
     return found.turning_about(table.normal)
+
+
+def set_down(solid: Solids, table: Table) -> Solids:
+    """The solid (S = 1), which nearly stands or lies on a table, turned and moved as little as need be to do so."""
+    own, flat = resting(solid.kind, table.normal @ solid.rotation)
+    axis = solid.rotation[0] @ own[0]
+    level = axis - table.normal * (axis @ table.normal)
+    to = table.normal if flat[0] else level / max(float(np.linalg.norm(level)), _TINY)
+    turned = replace(solid, rotation=_shortest_turn(axis, to) @ solid.rotation)
+    return table.put_down(turned.turning_about(table.normal))
 
 
 def _shortest_turn(one: Floats, other: Floats) -> Floats:

@@ -52,8 +52,8 @@ SCENES: dict[str, list[Disc]] = {
 def test_what_touches_in_both_views_is_cut_where_it_touches(name: str) -> None:
     discs = SCENES[name]
     left, right = outline(discs), outline(seen(discs, closer_px=2.0))
-    way = ways_to_cut([left], [right], SIMILARITY)[0]
-    assert way.cut == {left, right}
+    way = ways_to_cut([left], [right], SIMILARITY, alike=True)[0]
+    assert way.whole == way.cut == {left, right}
     for found, true in zip(centres(way), (discs, seen(discs, closer_px=2.0))):
         order = np.argsort(found[:, 0])
         np.testing.assert_allclose(found[order], np.array(sorted(true))[:, :2], atol=3.5)
@@ -66,11 +66,11 @@ def test_what_touches_in_one_view_is_cut_as_the_other_one_shows(name: str, mirro
     one, other = SCENES[name]
     alone = [outline([one]), outline([(other[0] + 8, *other[1:])])]
     clump = outline(seen([one, other]))
-    way = ways_to_cut(alone, [clump], SIMILARITY)[0]
+    way = ways_to_cut(alone, [clump], SIMILARITY, alike=True)[0]
     if mirrored:
         wide = Similarity(1.5, 0.03, 1.5, (-200.0, 0.0))
-        way = ways_to_cut([clump], alone, wide)[0]
-    assert way.cut == {*alone, clump}
+        way = ways_to_cut([clump], alone, wide, alike=True)[0]
+    assert way.whole == {*alone, clump} and way.cut == {clump}
     whole = {part: its for part, its in way.wholes}
     assert [whole[blob] for blob in alone] == [[blob] for blob in alone]
     for pair in way.pairs:
@@ -82,10 +82,35 @@ def test_what_touches_in_one_view_is_cut_as_the_other_one_shows(name: str, mirro
 def test_two_objects_in_each_view_need_no_cut() -> None:
     left = [outline([disc]) for disc in SCENES["a small one"]]
     right = [outline([disc]) for disc in seen(SCENES["a small one"])]
-    assert ways_to_cut(left, right, SIMILARITY) == []
+    assert ways_to_cut(left, right, SIMILARITY, alike=True) == []
 
 
 def test_what_has_other_rows_is_not_cut_together() -> None:
     (x, y, radius), other = SCENES["one beside the other"]
     left = outline([(x, y, radius), other])
-    assert ways_to_cut([left], [outline(seen([(x, y + 60, radius), (other[0], y + 64, other[2])]))], SIMILARITY) == []
+    assert (
+        ways_to_cut(
+            [left], [outline(seen([(x, y + 60, radius), (other[0], y + 64, other[2])]))], SIMILARITY, alike=True
+        )
+        == []
+    )
+
+
+def test_one_part_that_looks_alike_will_do_where_the_other_one_is_lit_in_part() -> None:
+    """The light shows the upper half of the nearer one in the right view, and all of it in the left one."""
+    near, far = SCENES["one behind the other"]
+    clump = outline([near, far])
+    x, y, radius = seen([near])[0]
+    lit = outline([(x, y - radius / 2, radius / 2)])
+    alone = outline([(far[0] - SHIFT_PX + 30, *far[1:])])
+    assert ways_to_cut([clump], [lit, alone], SIMILARITY, alike=True) == []
+    way = ways_to_cut([clump], [lit, alone], SIMILARITY, alike=False)[0]
+    assert way.whole == {clump, lit, alone} and way.cut == {clump}
+    part = {right: left for left, right in way.pairs}[alone]
+    np.testing.assert_allclose(part.centroid_px, far[:2], atol=4)
+
+
+def test_both_parts_must_not_be_unlike() -> None:
+    clump = outline(SCENES["one behind the other"])
+    halves = [outline([(x - SHIFT_PX, y - r / 2, r / 2)]) for x, y, r in ((140, 120, 24), (190, 152, 20))]
+    assert ways_to_cut([clump], halves, SIMILARITY, alike=False) == []

@@ -16,7 +16,8 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.adjustment import Adjusted, adjusted
+from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.table import Table
 from stereo_pick.core.transform import Transform

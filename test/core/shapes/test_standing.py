@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from rendered_solids import centre_m, half_lit_scene, rectified
 from rendering import Box, Cylinder, HexPrism, Scene, Solid, hex_prism_size
 from rendering.rigs import table_before
-from rigs import RIGS
+from rigs import RIGS, rotation
 from solid_outlines import contour_px
+from solids_on_table import MIXED, part_on_table, table_of
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes import Outline
+from stereo_pick.core.shapes.flush import resting
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.kinds import KINDS
 from stereo_pick.core.shapes.shared_face import shared_face
-from stereo_pick.core.shapes.standing import standing
+from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.standing import set_down, standing
 from stereo_pick.core.shapes.table import Table
 
 RIG = RIGS["thesis"]
@@ -106,3 +114,23 @@ def test_a_table_that_no_camera_sees_bears_nothing(normal: tuple[float, float, f
 def test_an_empty_view_supports_nothing() -> None:
     images = Images(rectified(RIG, Scene((), PLACED)))
     assert standing(images, [top_outlines(PARTS[0])], table_m()) == [None]
+
+
+@pytest.mark.parametrize("which", range(len(MIXED)))
+@given(st.tuples(*[st.floats(-0.08, 0.08)] * 3), st.floats(-0.003, 0.003))
+def test_what_nearly_stands_is_set_down(which: int, turned_rad: tuple[float, float, float], lifted_m: float) -> None:
+    table, part = table_of(40), part_on_table(40, MIXED[which])
+    there = Solids(KINDS[part.kind], part.centre_m[None], part.rotation[None], part.half_m[None], np.zeros((1, 3, 0)))
+    off = replace(
+        there,
+        centre_m=there.centre_m + lifted_m * table.normal,
+        rotation=rotation(turned_rad) @ there.rotation,
+    )
+    found = set_down(off, table)
+    own, flat = resting(found.kind, table.normal @ found.rotation)
+    upright = float(table.normal @ found.rotation[0] @ own[0])
+    assert float(table.under(found)[0][0]) == pytest.approx(0, abs=1e-9)
+    assert upright == pytest.approx(1.0 if flat[0] else 0.0, abs=1e-9)
+    assert np.linalg.norm(found.centre_m - there.centre_m) < 0.004
+    turned = found.rotation[0] @ off.rotation[0].T  # no further than it was off
+    assert np.trace(turned) > np.trace(rotation(turned_rad)) - 1e-9

@@ -1,0 +1,99 @@
+"""The table that the objects stand on, found from those that are seen best and from what would stand on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
+from stereo_pick.core.correspondence.on_table import OnTable, is_sure
+from stereo_pick.core.correspondence.position import BlobPair, Row
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.adjustment import adjusted
+from stereo_pick.core.shapes.below_faces import tables_below
+from stereo_pick.core.shapes.common_table import common_table, stands_on, supposed_tables
+from stereo_pick.core.shapes.fitting import can_be_fitted
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.table import Table
+
+_TRIED_TABLES, _TRIED_PAIRS = 4, 3
+_LEAST = 2  # objects that must stand on a table before they say more about it
+
+
+@dataclass(frozen=True, eq=False)
+class TableSearch:
+    """images: the views; pairs: what in them may be the lit parts of the same objects, not found without a table;
+    faces: thin solids that may be the lit tops of objects; flat_parts: whether parts may be as thin as a print."""
+
+    images: Images
+    pairs: Sequence[BlobPair]
+    faces: Sequence[tuple[BlobPair, SolidFit]]
+    flat_parts: bool
+
+    def table(self, kept: Sequence[Row]) -> Table | None:
+        """The table that the objects found agree on, with what the edges alone say of the others if need be; or one
+        that lit faces or one of the objects let suppose, and on which another object is found, too.
+
+        Where something is left to find on it, it is adjusted together with the objects that stand on it, and again with
+        those that are clearly what they seem, if others are not.
+        """
+        fits = [where.fit for _, where in kept if where.fit is not None]
+        table = self._agreed(fits, [*(blobs for blobs, where in kept if where.fit is None), *self.pairs])
+        if table is None or not self._leaves_open(kept, table):
+            return table
+        standing = [fit for fit in fits if stands_on(table, fit)]
+        if len(standing) < _LEAST:
+            return table
+        found, better = adjusted(standing, self.images.maps, self.images.rig, table, known=True)
+        clear = [each.fit for each in found if each.is_clear]
+        if not _LEAST <= len(clear) < len(standing):
+            return better
+        return adjusted(clear, self.images.maps, self.images.rig, better, known=True)[1]
+
+    def _leaves_open(self, kept: Sequence[Row], table: Table) -> bool:
+        return len(self.pairs) > 0 or not all(is_sure(where, table) for _, where in kept)
+
+    def _agreed(self, fits: list[SolidFit], unknown: Sequence[BlobPair]) -> Table | None:
+        agreed = common_table(fits, self._level)
+        if agreed is not None:
+            return agreed
+        fits = fits + self._bodies()
+        return common_table(fits, self._level) or self._below_faces(fits) or self._verified(fits, unknown)
+
+    @property
+    def _level(self) -> list[SolidFit]:
+        return [fit for _, fit in self.faces]
+
+    def _bodies(self) -> list[SolidFit]:
+        """The solids, on whatever table, that the edges of both views support for the pairs."""
+        readings = [each for each in map(convex_outlines, self.pairs) if can_be_fitted(each)]
+        self.images.look_at(readings)
+        found = [self.images.best([each]) for each in readings]
+        return [each.fit for each in found if each is not None and not is_flat(each.fit, TOP)]
+
+    def _below_faces(self, fits: Sequence[SolidFit]) -> Table | None:
+        """The table below lit faces on which one of the objects is found, and another one is or stands already."""
+        tops = [blobs for blobs, _ in self.faces]
+        others = [pair for pair in self.pairs if not any(pair[0] is left for left, _ in tops)]
+        for table in tables_below(self._level, fits, self.images.maps, self.images.eyes_m):
+            found = [each.fit for each in self._on(table).solids([*tops, *others][:_TRIED_PAIRS]) if each]
+            standing = [fit for fit in _each_once(found, fits) if stands_on(table, fit)]
+            if found and len(standing) >= _LEAST:
+                return common_table(standing, self._level) or table
+        return None
+
+    def _on(self, table: Table) -> OnTable:
+        return OnTable(self.images, table, self.flat_parts)
+
+    def _verified(self, fits: Sequence[SolidFit], unknown: Sequence[BlobPair]) -> Table | None:
+        for table in supposed_tables(fits)[:_TRIED_TABLES]:
+            others = [found.fit for found in self._on(table).solids(unknown[:_TRIED_PAIRS]) if found]
+            agreed = common_table(_each_once(others, fits), self._level) if others else None
+            if agreed is not None:
+                return agreed
+        return None
+
+
+def _each_once(found: Sequence[SolidFit], fits: Sequence[SolidFit]) -> list[SolidFit]:
+    """The solids found, and those of the others that are none of them."""
+    return [*found, *(fit for fit in fits if not any(fit.overlaps(other) for other in found))]

@@ -1,0 +1,45 @@
+"""A solid where all edges together put it, and how far they bear it out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stereo_pick.core.shapes.solid_fit import SolidFit
+
+_ASTRAY_PX = 0.3  # from its edges
+_MOST_CREASES, _MOST_SHOWN = 2 / 3, 3 / 4  # of its creases, of its silhouette
+
+
+@dataclass(frozen=True, eq=False)
+class Adjusted:
+    """fit: the solid; shown, creased: the part of its silhouette that lies on edges, the least of both views, and of
+    its creases (1 where there are none), as of `share_seen`."""
+
+    fit: SolidFit
+    shown: float
+    creased: float
+
+    @property
+    def is_astray(self) -> bool:
+        """Whether it is not what the edges show."""
+        return is_astray(self.fit)
+
+    @property
+    def is_creased(self) -> bool:
+        """Whether most of its creases show, so that it is hardly anything else."""
+        return self.creased >= _MOST_CREASES
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether it is hardly anything else, and is there."""
+        return self.is_creased and not self.is_astray
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether it shows enough of itself: what lacks its creases, like a tube black to its rim, shows all around."""
+        return self.is_creased or self.shown > _MOST_SHOWN
+
+
+def is_astray(fit: SolidFit) -> bool:
+    """Whether a solid lies so far off the edges that they do not show it, or not so finely."""
+    return fit.residual_px > _ASTRAY_PX
