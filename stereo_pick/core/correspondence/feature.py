@@ -128,14 +128,14 @@ class Feature(Method):
 
     def _collected(self, images: Images, found: Reading, is_known: bool) -> Correspondences:
         rig = images.rig
-        together = adjusted_together(images, found.kept, found.table, is_known, self.flat_parts)
+        together = adjusted_together(images, found, is_known, self.flat_parts)
         table = together.table
         prints = [] if self.flat_parts else prints_among(together.kept, rig, table, is_known)
         objects = [row for row in together.kept if row not in prints]
         normal = table.normal if table else common_normal([where.fit for _, where in objects])
         kept, unknown = self._of_known_reference(objects, normal)
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
-        unread = found.unread + together.refused + [Unread("flat", *each) for each, _ in prints]
+        unread = together.refused + [Unread("flat", *each) for each, _ in prints]
         unread += [Unread("no_solid", *each) for each, _ in unknown]
         sure, unsure = by_certainty(kept, unread, rig, most)
         sure.sort(key=lambda row: float(row[1].left_px[0]))

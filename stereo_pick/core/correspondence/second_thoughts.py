@@ -5,20 +5,17 @@ A lying cylinder and its shadow have the silhouette of a box. What they have not
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.position import Row, by_supported
 from stereo_pick.core.shapes.adjusted import Adjusted
-from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
 from stereo_pick.core.shapes.solid_fit import SolidFit
-from stereo_pick.core.shapes.standing import exactly_standing, most_supported
+from stereo_pick.core.shapes.standing import most_supported
 from stereo_pick.core.shapes.table import Table
 
 CREASED = 1 / 3  # of its creases, without which an object is no prism ...
@@ -35,18 +32,6 @@ def reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None)
     if not is_prism:
         return None
     return _as_cylinder(images, row, table) or (row if found.shown > WELL_SHOWN else None)
-
-
-def as_another(images: Images, row: Row, table: Table, before: Sequence[SolidFit]) -> tuple[Row, Adjusted] | None:
-    """The same object as the solid on the table that the edges show clearly, if there is one: the one that was taken
-    may have gone on to the end of a shadow, or stood on the table as it was supposed to be. before: solids
-    that may hide a part of it."""
-    blobs, _ = row
-    for each in exactly_standing(images, convex_outlines(blobs), table):
-        found = adjusted([each.fit], images.maps, images.rig, table, known=True, before=before)[0][0]
-        if found.is_clear:
-            return (blobs, by_supported(images.rig, each)), found
-    return None
 
 
 def is_flat_after_all(row: Row, table: Table | None) -> bool:

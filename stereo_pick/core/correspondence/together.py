@@ -10,6 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.clear_of import clear_of
+from stereo_pick.core.correspondence.last_look import LastLook, Seen
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.position import (
     BlobPair,
@@ -18,10 +19,10 @@ from stereo_pick.core.correspondence.position import (
     centres_by_outlines_px,
     with_dark_ends,
 )
+from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.correspondence.second_thoughts import (
     CREASED,
     WELL_SHOWN,
-    as_another,
     is_flat_after_all,
     reconsidered,
 )
@@ -31,7 +32,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
-from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.hypotheses import CHANCE, Images
 from stereo_pick.core.shapes.kinds import KINDS, Prism
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.sight import normalized
@@ -55,13 +56,12 @@ class Together:
     table: Table | None
 
 
-def adjusted_together(
-    images: Images, rows: Sequence[Row], table: Table | None, known: bool, flat_parts: bool
-) -> Together:
+def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts: bool) -> Together:
     """The objects where all edges together put them that solids explain, and the others as they are.
 
     known: whether the table is known without them; flat_parts: whether parts may be flat.
     """
+    rows, table = reading.kept, reading.table
     whole = [_with_dark_ends(images, row, rows) for row in rows]
     rest = [row for row in whole if row[1].fit is None or row[1].is_rough]
     solids = [row for row in whole if row not in rest]
@@ -76,10 +76,11 @@ def adjusted_together(
         found, common = _adjusted(images, sound, table, known)
     unlike += [row for row, each in zip(sound, found) if not each.is_seen]
     seen = [(row, each) for row, each in zip(sound, found) if each.is_seen]
-    seen, unlike = _looked_for_again(images, unlike, seen, common)
+    open_ = [Unread("other_shape", *blobs) for blobs, _ in unlike] + list(reading.unread)
+    seen, refused = _looked_for_again(images, open_, seen, rest + astray, common)
     placed = [row if each.is_astray else _placed(images, row, each, common) for row, each in seen]
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
-    refused = [Unread("other_shape", *blobs) for blobs, _ in unlike] + [Unread("flat", *blobs) for blobs, _ in flat]
+    refused += [Unread("flat", *blobs) for blobs, _ in flat]
     return Together(rest + astray + [row for row in placed if row not in flat], refused, common)
 
 
@@ -98,35 +99,27 @@ def _adjusted(
 
 
 def _looked_for_again(
-    images: Images, unlike: Sequence[Row], seen: Sequence[tuple[Row, Adjusted]], table: Table | None
-) -> tuple[list[tuple[Row, Adjusted]], list[Row]]:
-    """Those that are seen, some of them as another solid on the table as it is at last: what its outlines are unlike,
-    and what lacks its creases, is looked for again where none of the others is; and what stays unlike its outlines."""
+    images: Images, open_: Sequence[Unread], seen: Sequence[Seen], besides: Sequence[Row], table: Table | None
+) -> tuple[list[Seen], list[Unread]]:
+    """Those that are seen, some of them as another solid on the table as it is at last: what lacks its creases, and
+    what was refused, is looked for again where none of the others, or of those besides, is; and what stays refused."""
     if table is None:
-        return list(seen), list(unlike)
+        return list(seen), list(open_)
     found = [(row, each) for row, each in seen if each.creased >= CREASED]
     before = [each.fit for _, each in found if each.is_clear]
-    behind = images.behind(before)
+    taken = [where.fit for _, where in besides if where.fit is not None]
+    look = LastLook(images.behind(before), table, before)
     for row, as_it_was in [one for one in seen if one not in found]:
-        others = [each for one, each in [*seen, *found] if one is not row]
-        found.append(_another_beside(others, behind, row, table, before) or (row, as_it_was))
-    still_unlike = []
-    for row in unlike:
-        another = _another_beside([each for _, each in found], behind, row, table, before)
+        others = taken + [each.fit for one, each in [*seen, *found] if one is not row]
+        found.append(look.at(row[0], others, as_it_was.shown - CHANCE) or (row, as_it_was))
+    refused = []
+    for unread in open_:
+        another = look.at_refused(unread, taken + [each.fit for _, each in found])
         if another is None:
-            still_unlike.append(row)
+            refused.append(unread)
         else:
             found.append(another)
-    return found, still_unlike
-
-
-def _another_beside(
-    others: Sequence[Adjusted], behind: Images, row: Row, table: Table, before: Sequence[SolidFit]
-) -> tuple[Row, Adjusted] | None:
-    another = as_another(behind, row, table, before)
-    if another is None or any(another[1].fit.overlaps(each.fit) for each in others):
-        return None
-    return another
+    return found, refused
 
 
 def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row:

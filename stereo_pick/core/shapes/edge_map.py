@@ -54,16 +54,28 @@ class EdgeMap:
 
     def shows(self, points_px: Floats, normals: Floats, reach_px: float) -> Bools:
         """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line."""
+        low, slopes = self._slopes_around(points_px, reach_px)
+        reach = np.arange(-reach_px, reach_px + _STEP_PX / 2, _STEP_PX)
+        parts = [slice(i, i + _CHUNK) for i in range(0, len(points_px), _CHUNK)]
+        strength = [_across(slopes, points_px[part] - low, normals[part], reach) for part in parts]
+        return np.asarray(np.concatenate(strength) > _CLEAR * self.noise)
+
+    def slopes(self, points_px: Floats) -> Floats:
+        """How steep grey levels are along x and y (N, M, 2) [grey levels/px] at points (N, M, 2) near each other."""
+        low, slopes = self._slopes_around(points_px.reshape(-1, 2), 0.0)
+        u, v = np.moveaxis((points_px - low).astype(np.float32), -1, 0)
+        return np.stack([cv2.remap(slope, u, v, cv2.INTER_LINEAR).astype(np.float64) for slope in slopes], axis=-1)
+
+    def _slopes_around(
+        self, points_px: Floats, reach_px: float
+    ) -> tuple[NDArray[np.int64], list[NDArray[np.floating | np.integer]]]:
+        """The slopes along x and y (h, w) of the part of the view around points (N, 2), and its first pixel (2,)."""
         height, width = self.image.shape
         margin_px = reach_px + 1 + len(_SMOOTH) // 2
         low = np.clip(np.floor(points_px.min(axis=0) - margin_px).astype(np.int64), 0, (width - 1, height - 1))
         high = np.maximum(np.ceil(points_px.max(axis=0) + margin_px).astype(np.int64), low) + 1
         around = self.image[low[1] : high[1], low[0] : high[0]]
-        slopes = [cv2.sepFilter2D(around, cv2.CV_32F, *way) for way in ((_SLOPE, _SMOOTH), (_SMOOTH, _SLOPE))]
-        reach = np.arange(-reach_px, reach_px + _STEP_PX / 2, _STEP_PX)
-        parts = [slice(i, i + _CHUNK) for i in range(0, len(points_px), _CHUNK)]
-        strength = [_across(slopes, points_px[part] - low, normals[part], reach) for part in parts]
-        return np.asarray(np.concatenate(strength) > _CLEAR * self.noise)
+        return low, [cv2.sepFilter2D(around, cv2.CV_32F, *way) for way in ((_SLOPE, _SMOOTH), (_SMOOTH, _SLOPE))]
 
 
 def _across(

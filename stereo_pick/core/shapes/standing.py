@@ -39,11 +39,14 @@ def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Suppor
     return [each or _below_face(images, pair, table) for each, pair in zip(found, pairs)]
 
 
-def exactly_standing(images: Images, pair: Pair, table: Table) -> list[Supported]:
-    """The solids on the table that an object's outlines hint at and that lie on their edges exactly; the best first."""
-    if not can_be_fitted(pair):
-        return []
-    found = images.all_locked(_candidates(images, [pair], table)[pair], table)
+def standing_candidates(images: Images, pair: Pair, table: Table) -> list[Solids]:
+    """The solids on the table that an object's outlines hint at."""
+    return _candidates(images, [pair], table)[pair] if can_be_fitted(pair) else []
+
+
+def exactly(images: Images, candidates: Sequence[Solids], table: Table) -> list[Supported]:
+    """Those that lie on their edges exactly; the best first."""
+    found = images.all_locked(candidates, table)
     return sorted((each for each in found if each.is_exact), key=lambda each: -each.score)
 
 
@@ -93,11 +96,11 @@ def most_supported(images: Images, candidates: Sequence[Solids], table: Table | 
         return None
     longer = images.longer(best.fit.solid, table)
     if longer is None or longer.support < best.support - CHANCE:
-        return _no_surer_than_rivals(best, found)
+        return no_surer_than_rivals(best, found)
     return longer if longer.believable else None
 
 
-def _no_surer_than_rivals(best: Supported, others: Sequence[Supported]) -> Supported | None:
+def no_surer_than_rivals(best: Supported, others: Sequence[Supported]) -> Supported | None:
     """The same, its centre as unsure as it is which of several solids it is that are supported about as well and do not
     agree with it; None where that leaves its place open."""
     rivals = [each for each in others if each.score > best.score - CHANCE and not _agree(each.fit, best.fit)]

@@ -32,7 +32,7 @@ def starts(sight: Sight, kind: Kind, keep: int) -> tuple[Ints, Solids]:
     The residuals along the outlines' own normals are linear in centre and half sizes, so each orientation of a grid
     costs one small linear system and no iteration. On a table, solids stand or lie.
     """
-    rotations, turns = _orientations(kind, sight.table)
+    rotations, turns = orientations(kind, sight.table)
     count, grid = len(sight.points), len(rotations)
     objects = np.repeat(np.arange(count), grid)
     solids = Solids(
@@ -71,17 +71,19 @@ def _solved(sight: Sight, solids: Solids) -> tuple[Solids, Floats]:
     return moved, (weight * np.abs(left)).sum(axis=1) / weight.sum(axis=1)
 
 
-def _orientations(kind: Kind, table: Table | None) -> tuple[Floats, Floats]:
+def orientations(kind: Kind, table: Table | None, finer: int = 1) -> tuple[Floats, Floats]:
     """Orientations (G, 3, 3) to begin at, and the axes (G, 3, Q) about which each may be turned from there.
 
     About the normal of the table, where there is one; a solid that looks the same from all sides need not be turned.
+    finer: so many times as many on a table.
     """
     if table is None or not kind.turns:
         rotations = _free_orientations(kind)
         return rotations, np.broadcast_to(np.eye(3)[:, list(kind.turns)], (len(rotations), 3, len(kind.turns)))
     upright = _frame(table.normal)
-    standing = turned(*_YAWS.get(kind, (0.0, 1)))
-    lying = np.empty((0, 3, 3)) if kind is BOX else turned(np.pi, _LYING) @ _ON_ITS_SIDE
+    period, steps = _YAWS.get(kind, (0.0, 1))
+    standing = turned(period, steps * finer if period else 1)
+    lying = np.empty((0, 3, 3)) if kind is BOX else turned(np.pi, _LYING * finer) @ _ON_ITS_SIDE
     rotations = upright @ np.concatenate([standing, lying])
     return rotations, (rotations.transpose(0, 2, 1) @ upright[:, 2])[..., None]
 

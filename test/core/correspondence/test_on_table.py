@@ -13,7 +13,8 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence import feature
 from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.correspondence.found_table import TableSearch
-from stereo_pick.core.correspondence.position import Row, by_solid
+from stereo_pick.core.correspondence.position import by_solid
+from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.correspondence.together import Together, adjusted_together
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.pipeline import Pipeline, Steps
@@ -116,9 +117,9 @@ def test_grain_on_which_nothing_stands_is_no_table(
     surface = Table(np.array(normal), offset + below_m, 5e-4)
     asked: list[bool] = []
 
-    def adjusted_there(images: Images, rows: list[Row], table: Table | None, known: bool, flat: bool) -> Together:
+    def adjusted_there(images: Images, reading: Reading, known: bool, flat: bool) -> Together:
         asked.append(known)
-        return adjusted_together(images, rows, table, known, flat)
+        return adjusted_together(images, reading, known, flat)
 
     monkeypatch.setattr(feature, "grained_table", lambda *_: surface)
     monkeypatch.setattr(feature, "adjusted_together", adjusted_there)

@@ -1,0 +1,202 @@
+"""Solids on a known table, of every kind, that most edges around a place in both images agree on.
+
+Random sample consensus (Fischler and Bolles 1981): as many edges, drawn at random, as a solid of a given orientation
+has unknowns, make one. A plane through a camera and an edge of its silhouette touches it, which is linear in its place
+and its half sizes, as is that it touches the table: each guess is one small linear system.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stereo_pick.core.arrays import Bools, Floats, Ints
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.edge_map import EdgeMap
+from stereo_pick.core.shapes.edgels import PER_RAY, RAYS, edgels_around
+from stereo_pick.core.shapes.kinds import BOX, KINDS, Kind, dot
+from stereo_pick.core.shapes.sight import normalized, tangent_planes
+from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.starts import orientations
+from stereo_pick.core.shapes.table import Table
+
+_GUESSES = 400  # of each orientation
+_FINER = 3  # orientations than for a search that turns them
+_BETTERED, _ROUNDS = 60, 2  # the best guesses, by all the edges that they agree with
+_KEPT = 6  # solids of each kind
+_ON_EDGE_PX = 1.2  # as far as the orientation may be off, and the edge's normal
+_LEAST_SEEN = 1 / 3  # of the rays, in both views, that cross an edge of it
+_LEAST_EDGES = 20
+_LEAST_SIZE, _MOST_AWAY = 0.08, 1.5  # by the reach of the rays
+_ANOTHER = 0.05  # of that reach
+_TINY = 1e-12
+_LOOSE = 1e-6  # weight by which unknowns stay where no edge holds them
+
+Covered = Callable[[Floats, int], Bools]
+"""Which places (N, 2), normalized, of a view show something else (N,)."""
+
+
+class _Edges(NamedTuple):
+    """E edges of both views, those of each ray one after the other: planes (E, 3), the normals of those through camera
+    and edge; offsets_m (E,), of their camera along it; found (E,), which there are."""
+
+    planes: Floats
+    offsets_m: Floats
+    found: Bools
+
+
+class _Around(NamedTuple):
+    """A frame on the table: its axes as columns (3, 3), the table's normal last, and its origin (3,) [m]; reach_m: how
+    large solids may be, and about how far away; m_per_px: at its origin."""
+
+    axes: Floats
+    origin_m: Floats
+    reach_m: float
+    m_per_px: float
+
+
+class _Problem(NamedTuple):
+    """What solids of G orientations must satisfy, unknowns (S, 2 + sizes) being their place along the table and their
+    half sizes [m]: rows (G, E, 2 + sizes) @ unknowns = right_m (E,), for each edge that is found (E,) and theirs;
+    rises (G, sizes): how high their centres are, by half sizes; within_m: what is near enough to an edge."""
+
+    rows: Floats
+    right_m: Floats
+    found: Bools
+    rises: Floats
+    within_m: float
+
+
+def solids_around(
+    views: Sequence[EdgeMap],
+    rig: StereoRig,
+    table: Table,
+    places_px: Sequence[Floats],
+    reach_px: float,
+    covered: Covered | None = None,
+) -> list[Solids]:
+    """The solids (S = 1 each) on a table on which most edges around the places (2,) [px] of an object agree.
+
+    reach_px: how far from its places its edges may be; covered: where they are another's.
+    """
+    edges = _edges(views, rig, places_px, reach_px, covered)
+    around = _around(rig, table, places_px, reach_px)
+    if edges.found.sum() < _LEAST_EDGES or around is None:
+        return []
+    draw = np.random.default_rng(0)  # the same for the same images
+    return [solid for kind in KINDS.values() for solid in _of_kind(kind, edges, around, table, draw)]
+
+
+def _edges(
+    views: Sequence[EdgeMap], rig: StereoRig, places_px: Sequence[Floats], reach_px: float, covered: Covered | None
+) -> _Edges:
+    several = []
+    for i, (view, place_px) in enumerate(zip(views, places_px)):
+        edgels = edgels_around(view, place_px, reach_px)
+        points = normalized(edgels.points.reshape(-1, 2), view.camera)
+        planes = tangent_planes(points, edgels.normals.reshape(-1, 2))
+        found = edgels.found.ravel()
+        several.append(_Edges(planes, planes @ rig.eyes_m[i], found & ~covered(points, i) if covered else found))
+    return _Edges(*(np.concatenate(each) for each in zip(*several)))
+
+
+def _around(rig: StereoRig, table: Table, places_px: Sequence[Floats], reach_px: float) -> _Around | None:
+    """The table around the place in the left view; None where that lies beyond its horizon."""
+    ray = np.append(normalized(places_px[0], rig.left), 1.0)
+    sinks = float(-table.normal @ ray)
+    if sinks <= 0:
+        return None
+    depth_m = table.offset_m / sinks
+    m_per_px = depth_m / rig.focal_px
+    return _Around(orientations(BOX, table)[0][0], ray * depth_m, reach_px * m_per_px, m_per_px)
+
+
+def _of_kind(kind: Kind, edges: _Edges, around: _Around, table: Table, draw: np.random.Generator) -> Iterator[Solids]:
+    """The few of a kind, each clearly another one, that have the most edges."""
+    rotations, turns = orientations(kind, table, _FINER)
+    problem = _problem(kind, rotations, edges, around)
+    which, unknowns = _guesses(problem, around.reach_m, draw)
+    if not len(which):
+        return
+    on_edge = _on_edge(problem, which, unknowns)
+    best = np.argsort(-_seen(on_edge), kind="stable")[:_BETTERED]
+    which, unknowns, on_edge = which[best], unknowns[best], on_edge[best]
+    for _ in range(_ROUNDS):
+        unknowns = _bettered(problem, which, unknowns, on_edge)
+        on_edge = _on_edge(problem, which, unknowns)
+    seen, half_m = _seen(on_edge), unknowns[:, 2:]
+    in_frame = np.concatenate([unknowns[:, :2], dot(problem.rises[which], half_m)[:, None]], axis=1)
+    centre_m = around.origin_m + in_frame @ around.axes.T
+    for i in _different(np.concatenate([centre_m, half_m], axis=1), seen, _ANOTHER * around.reach_m):
+        if (half_m[i] > _LEAST_SIZE * around.reach_m).all():
+            at = which[i]
+            yield Solids(kind, centre_m[i, None], rotations[at, None], half_m[i, None], turns[at, None])
+
+
+def _problem(kind: Kind, rotations: Floats, edges: _Edges, around: _Around) -> _Problem:
+    up, planes = around.axes[:, 2], edges.planes
+    rises = _support(kind, (-up @ rotations)[:, None])[:, 0]
+    along = np.broadcast_to(planes @ around.axes[:, :2], (len(rotations), len(planes), 2))
+    by_sizes = (planes @ up)[:, None] * rises[:, None] + _support(kind, planes @ rotations)
+    rows = np.concatenate([along, by_sizes], axis=2)
+    right_m = edges.offsets_m - planes @ around.origin_m
+    return _Problem(rows, right_m, edges.found, rises, _ON_EDGE_PX * around.m_per_px)
+
+
+def _support(kind: Kind, directions: Floats) -> Floats:
+    """How far (G, N, sizes) solids reach in directions (G, N, 3) of their own axes, by half sizes."""
+    touched = kind.touch(directions, np.ones((len(directions), kind.sizes)))
+    return np.asarray((touched * directions) @ kind.shares)
+
+
+def _guesses(problem: _Problem, reach_m: float, draw: np.random.Generator) -> tuple[Ints, Floats]:
+    """The orientations (S,) and the unknowns (S, 2 + sizes) of those guesses that are possible."""
+    grid, _, unknowns = problem.rows.shape
+    found = np.flatnonzero(problem.found)
+    chosen = found[draw.integers(0, len(found), (grid, _GUESSES, unknowns))]
+    matrix = problem.rows[np.arange(grid)[:, None, None], chosen]
+    solvable = np.abs(np.linalg.det(matrix)) > _TINY
+    which = np.repeat(np.arange(grid), _GUESSES).reshape(grid, -1)[solvable]
+    solved = np.linalg.solve(matrix[solvable], problem.right_m[chosen[solvable]][..., None])[..., 0]
+    along_m, half_m = solved[:, :2], solved[:, 2:]
+    possible = ((half_m > _LEAST_SIZE * reach_m) & (half_m < reach_m)).all(axis=1)
+    possible &= np.sqrt(dot(along_m, along_m)) < _MOST_AWAY * reach_m
+    return which[possible], solved[possible]
+
+
+def _on_edge(problem: _Problem, which: Ints, unknowns: Floats) -> Bools:
+    """Which edges (S, E) solids end at."""
+    on_edge = np.zeros((len(which), len(problem.found)), bool)
+    for each in np.unique(which):
+        these = np.flatnonzero(which == each)
+        off_m = np.abs(unknowns[these] @ problem.rows[each].T - problem.right_m)
+        on_edge[these] = (off_m < problem.within_m) & problem.found
+    return on_edge
+
+
+def _seen(on_edge: Bools) -> Floats:
+    """The part (S,) of the rays, the least of both views, that cross one of these edges (S, E)."""
+    return np.asarray(on_edge.reshape(-1, 2, RAYS, PER_RAY).any(axis=3).mean(axis=2).min(axis=1))
+
+
+def _bettered(problem: _Problem, which: Ints, unknowns: Floats, on_edge: Bools) -> Floats:
+    """The unknowns by least squares of all edges (S, E) that solids end at."""
+    rows = problem.rows[which]
+    weighted = (rows * on_edge[..., None]).transpose(0, 2, 1)
+    normal, off_m = weighted @ rows, problem.right_m[:, None] - rows @ unknowns[..., None]
+    loose = _LOOSE * np.einsum("sii->s", normal) + _TINY
+    normal = normal + loose[:, None, None] * np.eye(normal.shape[1])
+    return np.asarray(unknowns + np.linalg.solve(normal, weighted @ off_m)[..., 0])
+
+
+def _different(solids_m: Floats, seen: Floats, by_m: float) -> list[int]:
+    """The few rows of solids (S, K) [m] that are seen most, no two alike."""
+    kept: list[int] = []
+    for i in np.argsort(-seen, kind="stable"):
+        if seen[i] < _LEAST_SEEN or len(kept) == _KEPT:
+            break
+        if all(np.abs(solids_m[i] - solids_m[j]).max() > by_m for j in kept):
+            kept.append(int(i))
+    return kept

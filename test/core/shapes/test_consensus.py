@@ -1,0 +1,102 @@
+"""What most edges around a place agree on, in rendered scenes with exact truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from rendered_solids import PARTS, PLACED, RIG, rectified, solid_of
+from rendering import HexPrism, Scene, Solid, hex_prism_size
+
+from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.shapes.consensus import solids_around
+from stereo_pick.core.shapes.edge_map import EdgeMap
+from stereo_pick.core.shapes.edgels import edgels_around
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.table import Table
+
+NORMAL = RIG.left.R @ PLACED.rotation[:, 2]
+TABLE = Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation), 5e-4)
+ALL = {**PARTS, "hexprism": HexPrism(0.0, 0.01, hex_prism_size(0.045, 0.04), yaw_rad=0.3)}
+TABLE_GREY = 0.2
+REACH_PX = 60.0
+
+
+def seen(part: Solid, off_px: float = 0.0) -> tuple[Images, Solids, list[Floats]]:
+    """The views of a lone part, what it is, and places so far beside its centre in both views."""
+    scene = Scene((part,), PLACED, TABLE_GREY, ambient=0.5)
+    solid = solid_of(RIG, scene, part)
+    places = [each.P @ np.append(solid.centre_m[0], 1.0) for each in (RIG.left, RIG.right)]
+    return Images(rectified(RIG, scene)), solid, [place[:2] / place[2] + off_px for place in places]
+
+
+@pytest.mark.parametrize("off_px", [0.0, 7.0])
+@pytest.mark.parametrize("part", ALL.values(), ids=ALL.keys())
+def test_a_part_is_among_them_wherever_in_it_they_are_looked_for(part: Solid, off_px: float) -> None:
+    images, true, places_px = seen(part, off_px)
+    found = [each for each in solids_around(images.maps, RIG, TABLE, places_px, REACH_PX) if each.kind is true.kind]
+    off_m = [np.linalg.norm(each.centre_m - true.centre_m) for each in found]
+    nearest = found[int(np.argmin(off_m))]
+    assert min(off_m) < 2e-3
+    np.testing.assert_allclose(np.sort(nearest.half_m), np.sort(true.half_m), atol=2e-3)
+
+
+@pytest.mark.parametrize("part", ALL.values(), ids=ALL.keys())
+def test_brought_onto_its_edges_the_best_of_them_is_the_part(part: Solid) -> None:
+    images, true, places_px = seen(part)
+    found = images.all_locked(solids_around(images.maps, RIG, TABLE, places_px, REACH_PX), TABLE)
+    best = max((each for each in found if each.is_exact), key=lambda each: each.score)
+    assert best.fit.kind == true.kind.name
+    np.testing.assert_allclose(best.fit.centre_m, true.centre_m[0], atol=5e-4)
+
+
+def test_all_of_them_touch_the_table() -> None:
+    images, _, places_px = seen(PARTS["box"])
+    found = solids_around(images.maps, RIG, TABLE, places_px, REACH_PX)
+    assert len(found) > 4
+    assert max(abs(TABLE.under(each)[0][0]) for each in found) < 1e-9
+
+
+def test_the_same_images_give_the_same_solids() -> None:
+    images, _, places_px = seen(PARTS["lying"])
+    one, other = (solids_around(images.maps, RIG, TABLE, places_px, REACH_PX) for _ in range(2))
+    assert [each.kind for each in one] == [each.kind for each in other]
+    np.testing.assert_array_equal([each.centre_m for each in one], [each.centre_m for each in other])
+
+
+def test_an_empty_table_has_none() -> None:
+    images = Images(rectified(RIG, Scene((), PLACED, TABLE_GREY, ambient=0.5)))
+    middle = np.array([320.0, 240.0])
+    assert solids_around(images.maps, RIG, TABLE, [middle, middle], REACH_PX) == []
+
+
+def test_edges_of_something_else_do_not_count() -> None:
+    images, _, places_px = seen(PARTS["sphere"])
+
+    def all_of_it(places: Floats, _: int) -> Bools:
+        return np.ones(len(places), bool)
+
+    assert solids_around(images.maps, RIG, TABLE, places_px, REACH_PX, all_of_it) == []
+
+
+def test_beyond_the_horizon_there_is_no_table() -> None:
+    images, _, places_px = seen(PARTS["sphere"])
+    facing_away = Table(np.array([0.0, -np.sqrt(0.99), -0.1]), 0.2, 5e-4)
+    above_it = [place - [0.0, 400.0] for place in places_px]
+    assert solids_around(images.maps, RIG, facing_away, above_it, REACH_PX) == []
+
+
+@pytest.mark.parametrize("inside_is", [40.0, 200.0])
+def test_rays_find_the_edge_all_around_whichever_side_is_brighter(inside_is: float) -> None:
+    """A disc of 20 px, from a place off its middle: edges 20 px from its middle, normals away from it."""
+    y, x = np.mgrid[:120, :160]
+    off = np.hypot(x - 80, y - 60) - 20
+    image = 120 + (inside_is - 120) * np.clip(0.5 - off, 0, 1)
+    view = EdgeMap.of(image.astype(np.float32), RIG.left)
+    edgels = edgels_around(view, np.array([86.0, 57.0]), 45.0)
+    from_middle = edgels.points - [80.0, 60.0]
+    radius = np.linalg.norm(from_middle, axis=2)
+    assert edgels.found.any(axis=1).all() and edgels.found.sum() == len(edgels.found)
+    np.testing.assert_allclose(radius[edgels.found], 20.0, atol=0.8)
+    outward = (edgels.normals * from_middle).sum(axis=2) / radius
+    assert outward[edgels.found].min() > 0.99
