@@ -12,21 +12,25 @@ from dataclasses import dataclass
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.located import convex_outlines, is_flat
-from stereo_pick.core.correspondence.overlap import clash
-from stereo_pick.core.correspondence.position import BlobPair, Row, by_supported
+from stereo_pick.core.correspondence.overlap import clash, is_where, reach_into_each_other
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
+from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.consensus import solids_around
+from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
-from stereo_pick.core.shapes.standing import exactly, no_surer_than_rivals, standing_candidates
+from stereo_pick.core.shapes.standing import agree, exactly, no_surer_than_rivals, standing_candidates
 from stereo_pick.core.shapes.table import Table
 
+_REASONS = ("half_lit", "merged", "off_table", "other_shape")  # of which an object may be found yet
+_MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 6  # solids for each object
-_NEVER = ("faint", "cut_by_border", "beside_bright", "flat")
+_SHOWN = 3 / 4  # of its silhouette, for what has no creases to be told by
 
 Seen = tuple[Row, Adjusted]
 
@@ -34,51 +38,65 @@ Seen = tuple[Row, Adjusted]
 @dataclass(frozen=True, eq=False)
 class LastLook:
     """images: the views, behind what is known; table: what the objects stand on; before: solids that may hide
-    others."""
+    others; besides: objects that stay what they are."""
 
     images: Images
     table: Table
     before: Sequence[SolidFit]
+    besides: Sequence[Located]
 
     def at(self, blobs: BlobPair, others: Sequence[SolidFit], least_shown: float = 0.0) -> Seen | None:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there
-        is none of which so much of the silhouette is shown."""
-        several = dict.fromkeys([clear_of(blobs, self.images), blobs])
-        hinted = [
-            each for one in several for each in standing_candidates(self.images, convex_outlines(one), self.table)
-        ]
-        found = self._clearest(blobs, hinted, others) or self._clearest(blobs, self._around(blobs), others)
-        return None if found is None or found[1].shown < least_shown else found
+        is none, or none that shows so much of its silhouette, or where it is open which it is."""
+        free = self._free_ones(self._hinted(blobs) + self._around(blobs), others)
+        least = max([least_shown, *(there.shown - CHANCE for _, there in free)])
+        clear = [(each, there) for each, there in free if self._is_clear(there, least)]
+        if not clear:
+            return None
+        (first, there), *rest = clear
+        rivals = [each for each, _ in rest]
+        longer = self.images.longer(first.fit.solid, self.table)
+        if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
+            beyond = self._free(longer, others) if longer.is_exact else None
+            if beyond is None or not self._is_clear(beyond, least):
+                rivals.append(longer)
+            else:
+                first, there = longer, beyond
+        best = no_surer_than_rivals(first, rivals)
+        return None if best is None else ((blobs, by_supported(self.images.rig, best)), there)
 
     def at_refused(self, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
         """The same of what both views show of what was refused."""
-        if unread.left is None or unread.right is None or unread.reason in _NEVER:
-            return None
-        blobs = unread.left, unread.right
-        return self.at(blobs, others) if all(len(blob.sharpness) for blob in blobs) else None
+        return self.at((unread.left, unread.right), others) if unread.left and unread.right else None
 
-    def _clearest(self, blobs: BlobPair, candidates: Sequence[Solids], others: Sequence[SolidFit]) -> Seen | None:
-        """The best of these that is hardly anything else, and has as much of its silhouette on edges as any other."""
-        exact = exactly(self.images, candidates, self.table)[:_LOOKED_AT]
-        free = [(each, there) for each in exact for there in (self._free(each, others),) if there is not None]
-        least = max((there.shown for _, there in free), default=0.0) - CHANCE
-        clear = [(each, there) for each, there in free if _is_clear(there, least)]
-        if not clear:
-            return None
-        (first, there), *rivals = clear
-        longer = self.images.longer(first.fit.solid, self.table)
-        if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
-            beyond = self._free(longer, others)
-            if beyond is not None and _is_clear(beyond, least):
-                return self._row(blobs, longer), beyond
-        best = no_surer_than_rivals(first, [each for each, _ in rivals])
-        return None if best is None else (self._row(blobs, best), there)
+    def _hinted(self, blobs: BlobPair) -> list[Solids]:
+        """What an object's outlines hint at, with and without what is another's."""
+        several = dict.fromkeys([clear_of(blobs, self.images), blobs])
+        return [each for one in several for each in standing_candidates(self.images, convex_outlines(one), self.table)]
+
+    def _free_ones(self, candidates: Sequence[Solids], others: Sequence[SolidFit]) -> list[tuple[Supported, Adjusted]]:
+        """The best of these, each another one, that lie on their edges exactly, and where all edges put them."""
+        found: list[tuple[Supported, Adjusted]] = []
+        for each in exactly(self.images, candidates, self.table):
+            if len(found) == _LOOKED_AT:
+                break
+            if any(each.fit.kind == other.fit.kind and agree(each.fit, other.fit) for other, _ in found):
+                continue
+            there = self._free(each, others)
+            if there is not None:
+                found.append((each, there))
+        return found
+
+    def _is_clear(self, found: Adjusted, least_shown: float) -> bool:
+        """Whether an object is hardly anything else; what has no creases, as a ball, must show by its silhouette."""
+        has_creases = creases(found.fit.solid, self.images.eyes_m).seen.any()
+        return found.is_clear and found.shown >= (least_shown if has_creases else max(least_shown, _SHOWN))
 
     def _row(self, blobs: BlobPair, found: Supported) -> Row:
         return blobs, by_supported(self.images.rig, found)
 
     def _free(self, found: Supported, others: Sequence[SolidFit]) -> Adjusted | None:
-        """Where all its edges put a solid, if no other is there."""
+        """Where all its edges put a solid, if it is no sheet and no other is there."""
         if is_flat(found.fit) or self._clashes(found.fit, others):
             return None
         rig, maps = self.images.rig, self.images.maps
@@ -86,7 +104,10 @@ class LastLook:
         return there if stands_on(self.table, there.fit) and not self._clashes(there.fit, others) else None
 
     def _clashes(self, fit: SolidFit, others: Sequence[SolidFit]) -> bool:
-        return any(clash(fit, other, self.images.rig) for other in others)
+        rig = self.images.rig
+        if any(clash(fit, each, rig) or reach_into_each_other(fit, each) for each in others):
+            return True
+        return any(is_where(fit, each, rig) for each in self.besides)
 
     def _around(self, blobs: BlobPair) -> list[Solids]:
         """What most edges around an object's outlines agree on."""
@@ -96,5 +117,15 @@ class LastLook:
         return solids_around(images.maps, images.rig, self.table, places_px, reach_px, known.cover if known else None)
 
 
-def _is_clear(found: Adjusted, least_shown: float) -> bool:
-    return found.is_clear and found.shown >= least_shown
+def may_be_found(refused: Sequence[Unread]) -> list[Unread]:
+    """Those refused that may be found yet, the largest first: both views show them whole, and sharp."""
+    found = [each for each in refused if each.reason in _REASONS and _is_whole(each.left) and _is_whole(each.right)]
+    return sorted(found, key=_area_px2, reverse=True)[:_MOST]
+
+
+def _is_whole(blob: Blob | None) -> bool:
+    return blob is not None and blob.fault in ("", "merged") and len(blob.sharpness) > 0
+
+
+def _area_px2(refused: Unread) -> float:
+    return sum(blob.area_px2 for blob in (refused.left, refused.right) if blob)

@@ -6,11 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import cv2
+import numpy as np
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
-from stereo_pick.core.correspondence.position import Row
+from stereo_pick.core.correspondence.position import Located, Row
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit
+
+_WELL_WITHIN = 0.7  # of the half sizes: no further than a cylinder's side at 45 degrees
+_INNER = _WELL_WITHIN * np.stack(np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3), axis=-1).reshape(-1, 3)
 
 
 def one_in_each_place(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
@@ -28,6 +33,25 @@ def clash(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
     return one.overlaps(other) or _hides(one, other, rig) or _hides(other, one, rig)
 
 
+def reach_into_each_other(one: SolidFit, other: SolidFit) -> bool:
+    """Whether a point of one of two solids, well within its sides, lies well within the other's."""
+    return _reaches_into(one, other) or _reaches_into(other, one)
+
+
+def _reaches_into(one: SolidFit, other: SolidFit) -> bool:
+    points_m = one.centre_m + _INNER * one.size_m / 2 @ one.rotation.T
+    own = (points_m - other.centre_m) @ other.rotation
+    return bool((np.abs(own) < _WELL_WITHIN * other.size_m / 2).all(axis=1).any())
+
+
+def is_where(fit: SolidFit, other: Located, rig: StereoRig) -> bool:
+    """Whether a solid is in the way of another object, or the two are one: of what has no solid, where both views show
+    its centre within the first."""
+    if other.fit is not None:
+        return clash(fit, other.fit, rig)
+    return _covers(fit, other.left_px, rig.left) and _covers(fit, other.right_px, rig.right)
+
+
 def _compatible(rows: Sequence[Row], clash: Callable[[SolidFit, SolidFit], bool]) -> tuple[list[Row], list[Row]]:
     stays: list[Row] = []
     goes: list[Row] = []
@@ -43,9 +67,9 @@ def _compatible(rows: Sequence[Row], clash: Callable[[SolidFit, SolidFit], bool]
 def _hides(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
     """Whether one solid lies before the centre of the other in both views."""
     nearer = one.centre_m[2] < other.centre_m[2]
-    return bool(nearer) and all(_covers(one, other, camera) for camera in (rig.left, rig.right))
+    return bool(nearer) and all(_covers(one, other.centre_px(camera), camera) for camera in (rig.left, rig.right))
 
 
-def _covers(one: SolidFit, other: SolidFit, camera: Camera) -> bool:
-    x, y = other.centre_px(camera).tolist()
-    return cv2.pointPolygonTest(one.silhouette_px(camera).astype("float32"), (x, y), False) > 0
+def _covers(fit: SolidFit, place_px: Floats, camera: Camera) -> bool:
+    x, y = place_px.tolist()
+    return cv2.pointPolygonTest(fit.silhouette_px(camera).astype("float32"), (x, y), False) > 0

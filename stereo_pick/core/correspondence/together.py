@@ -10,7 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.clear_of import clear_of
-from stereo_pick.core.correspondence.last_look import LastLook, Seen
+from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.position import (
     BlobPair,
@@ -48,8 +48,8 @@ _CLEAR_PX = 3.0  # ... by so much
 
 @dataclass(frozen=True, eq=False)
 class Together:
-    """kept: the objects, where they are; refused: those that are not what their outlines seem to be, or flat after all;
-    table: what they stand on, as far as that is known."""
+    """kept: the objects, where they are; refused: what was and is not found after all, what is not what its outlines
+    seem to be, and what is flat after all; table: what the objects stand on, as far as that is known."""
 
     kept: list[Row]
     refused: list[Unread]
@@ -107,18 +107,19 @@ def _looked_for_again(
         return list(seen), list(open_)
     found = [(row, each) for row, each in seen if each.creased >= CREASED]
     before = [each.fit for _, each in found if each.is_clear]
-    taken = [where.fit for _, where in besides if where.fit is not None]
-    look = LastLook(images.behind(before), table, before)
+    look = LastLook(images.behind(before), table, before, [where for _, where in besides])
     for row, as_it_was in [one for one in seen if one not in found]:
-        others = taken + [each.fit for one, each in [*seen, *found] if one is not row]
+        others = [each.fit for one, each in [*seen, *found] if one is not row]
         found.append(look.at(row[0], others, as_it_was.shown - CHANCE) or (row, as_it_was))
-    refused = []
-    for unread in open_:
-        another = look.at_refused(unread, taken + [each.fit for _, each in found])
+    refused = list(open_)
+    for unread in may_be_found(open_):
+        another = look.at_refused(unread, [each.fit for _, each in found])
         if another is None:
-            refused.append(unread)
-        else:
-            found.append(another)
+            continue
+        (blobs, _), there = another
+        found.append(another)
+        if not _goes_on_beyond(blobs, there.fit, images):  # else the rest of it is refused still
+            refused.remove(unread)
     return found, refused
 
 

@@ -28,7 +28,7 @@ _BETTERED, _ROUNDS = 60, 2  # the best guesses, by all the edges that they agree
 _KEPT = 6  # solids of each kind
 _ON_EDGE_PX = 1.2  # as far as the orientation may be off, and the edge's normal
 _LEAST_SEEN = 1 / 3  # of the rays, in both views, that cross an edge of it
-_LEAST_EDGES = 20
+_LEAST_EDGES = 20  # of both views together
 _LEAST_SIZE, _MOST_AWAY = 0.08, 1.5  # by the reach of the rays
 _ANOTHER = 0.05  # of that reach
 _TINY = 1e-12
@@ -129,10 +129,10 @@ def _of_kind(kind: Kind, edges: _Edges, around: _Around, table: Table, draw: np.
     seen, half_m = _seen(on_edge), unknowns[:, 2:]
     in_frame = np.concatenate([unknowns[:, :2], dot(problem.rises[which], half_m)[:, None]], axis=1)
     centre_m = around.origin_m + in_frame @ around.axes.T
+    seen = np.where(_possible(unknowns, around.reach_m), seen, 0.0)
     for i in _different(np.concatenate([centre_m, half_m], axis=1), seen, _ANOTHER * around.reach_m):
-        if (half_m[i] > _LEAST_SIZE * around.reach_m).all():
-            at = which[i]
-            yield Solids(kind, centre_m[i, None], rotations[at, None], half_m[i, None], turns[at, None])
+        at = which[i]
+        yield Solids(kind, centre_m[i, None], rotations[at, None], half_m[i, None], turns[at, None])
 
 
 def _problem(kind: Kind, rotations: Floats, edges: _Edges, around: _Around) -> _Problem:
@@ -160,10 +160,15 @@ def _guesses(problem: _Problem, reach_m: float, draw: np.random.Generator) -> tu
     solvable = np.abs(np.linalg.det(matrix)) > _TINY
     which = np.repeat(np.arange(grid), _GUESSES).reshape(grid, -1)[solvable]
     solved = np.linalg.solve(matrix[solvable], problem.right_m[chosen[solvable]][..., None])[..., 0]
-    along_m, half_m = solved[:, :2], solved[:, 2:]
-    possible = ((half_m > _LEAST_SIZE * reach_m) & (half_m < reach_m)).all(axis=1)
-    possible &= np.sqrt(dot(along_m, along_m)) < _MOST_AWAY * reach_m
+    possible = _possible(solved, reach_m)
     return which[possible], solved[possible]
+
+
+def _possible(unknowns: Floats, reach_m: float) -> Bools:
+    """Whether (S,) solids are so large and so near that they may be what is looked for."""
+    along_m, half_m = unknowns[:, :2], unknowns[:, 2:]
+    is_size = ((half_m > _LEAST_SIZE * reach_m) & (half_m < reach_m)).all(axis=1)
+    return np.asarray(is_size & (np.sqrt(dot(along_m, along_m)) < _MOST_AWAY * reach_m))
 
 
 def _on_edge(problem: _Problem, which: Ints, unknowns: Floats) -> Bools:

@@ -103,7 +103,7 @@ def most_supported(images: Images, candidates: Sequence[Solids], table: Table | 
 def no_surer_than_rivals(best: Supported, others: Sequence[Supported]) -> Supported | None:
     """The same, its centre as unsure as it is which of several solids it is that are supported about as well and do not
     agree with it; None where that leaves its place open."""
-    rivals = [each for each in others if each.score > best.score - CHANCE and not _agree(each.fit, best.fit)]
+    rivals = [each for each in others if each.score > best.score - CHANCE and not agree(each.fit, best.fit)]
     offs_m = [each.fit.centre_m - best.fit.centre_m for each in rivals]
     off_m = max(offs_m, key=lambda off: float(off @ off), default=np.zeros(3))
     if np.linalg.norm(off_m) > _OPEN * best.fit.size_m.mean():
@@ -111,7 +111,7 @@ def no_surer_than_rivals(best: Supported, others: Sequence[Supported]) -> Suppor
     return replace(best, doubt=float(off_m @ off_m) * np.eye(3))  # it may be neither of them
 
 
-def _agree(one: SolidFit, other: SolidFit) -> bool:
+def agree(one: SolidFit, other: SolidFit) -> bool:
     """Whether two solids are at one place, as far as that is known."""
     off_m = one.centre_m - other.centre_m
     return bool(off_m @ np.linalg.solve(one.covariance + other.covariance, off_m) < _AGREE)

@@ -2,13 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
 import pytest
 from families import staged
 from family_scoring import SceneScore, score
+from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified, solid_of
+from rendering import Scene, Solid
 
+from stereo_pick.core.correspondence import last_look
+from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
+from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.overlap import reach_into_each_other
+from stereo_pick.core.correspondence.position import BlobPair, Located
 from stereo_pick.core.pipeline import Pipeline, Steps
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.table import Table
 
-A_PART_IS_LIT = [("glossy", 146, 4), ("bright_and_dark", 150, 0), ("low_contrast", 150, 4)]
+NORMAL = RIG.left.R @ PLACED.rotation[:, 2]
+TABLE = Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation), 5e-4)
+
+A_PART_IS_LIT = [("glossy", 146, 4), ("bright_and_dark", 150, 0)]
 MERGED_WITH_A_SHADOW = [("dark_on_light", 146, 0), ("dark_on_light", 151, 2), ("planks_and_prints", 158, 1)]
 LIES_AMONG_ITS_SHADOWS = [("bright_and_dark", 150, 1), ("tubes", 147, 2), ("tubes", 19, 1)]
 
@@ -32,7 +50,84 @@ def test_what_shows_nearly_all_of_its_silhouette_is_not_replaced_by_what_shows_l
     assert len(result.missed) == 0 and max(each.distance_m for each in result.found) < 1e-3
 
 
-@pytest.mark.parametrize("seed", [0, 3, 7])
-def test_prints_have_nothing_around_them_that_stands(seed: int) -> None:
-    result = found("labels", seed)
-    assert len(result.ghosts_m) == 0 and result.refused["flat"] >= 1
+def lone(part: Solid) -> tuple[Images, BlobPair, Scene]:
+    """The views of a lone part, and its outlines."""
+    scene = Scene((part,), PLACED, ambient=0.5)
+    pair = rectified(RIG, scene)
+    blobs, _ = Steps().correspond(pair)
+    return Images(pair), (blobs.left[0], blobs.right[0]), scene
+
+
+def at(
+    images: Images, blobs: BlobPair, besides: list[Located], others: list[SolidFit], least: float = 0.0
+) -> Seen | None:
+    return LastLook(images, TABLE, [], besides).at(blobs, others, least)
+
+
+@pytest.mark.parametrize("part", PARTS.values(), ids=PARTS.keys())
+def test_a_part_is_found_once_and_only_where_no_other_is(part: Solid) -> None:
+    images, blobs, scene = lone(part)
+    seen = at(images, blobs, [], [])
+    assert seen is not None
+    (_, where), there = seen
+    np.testing.assert_allclose(there.fit.centre_m, centre_m(RIG, scene, part), atol=5e-4)
+    without_solid = replace(where, fit=None)
+    assert at(images, blobs, [], [there.fit]) is None
+    assert at(images, blobs, [where], []) is None
+    assert at(images, blobs, [without_solid], []) is None
+    elsewhere = replace(without_solid, left_px=where.left_px + 80)
+    assert at(images, blobs, [elsewhere], []) is not None
+    assert at(images, blobs, [], [], least=1.01) is None
+
+
+def test_where_it_is_open_which_of_two_it_is_neither_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    images, blobs, _ = lone(PARTS["box"])
+    other = PARTS["box"].__class__(0.065, 0.0, (0.05, 0.036, 0.045), yaw_rad=0.4)
+    there = [solid_of(RIG, Scene((part,), PLACED), part) for part in (PARTS["box"], other)]
+    fits = [SolidFit("box", s.centre_m[0], s.rotation[0], s.size_m()[0], 0.05, 1e-9 * np.eye(3)) for s in there]
+    alike = [Supported(fit, 0.9, 0.05, believable=True) for fit in fits]
+    monkeypatch.setattr(last_look, "exactly", lambda *_: alike)
+    monkeypatch.setattr(last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], 0.9, 1.0)], TABLE))
+    assert at(images, blobs, [], []) is None
+    monkeypatch.setattr(last_look, "exactly", lambda *_: alike[:1])
+    assert at(images, blobs, [], []) is not None
+
+
+def test_only_what_both_views_show_whole_is_looked_for_again_the_largest_first() -> None:
+    _, (left, right), _ = lone(PARTS["box"])
+    small = replace(left, contour_px=left.contour_px / 3)
+    cut, merged = replace(right, fault="cut_by_border"), replace(right, fault="merged")
+    without_edges = replace(left, sharpness=np.empty(0))
+    refused = [
+        Unread("half_lit", small, right),
+        Unread("merged", left, merged),
+        Unread("merged", left, cut),
+        Unread("merged", without_edges, right),
+        Unread("left_only", left, None),
+        *(
+            Unread(reason, left, right)
+            for reason in ("flat", "ambiguous", "out_of_focus", "saturated", "beside_bright")
+        ),
+    ]
+    assert may_be_found(refused) == [refused[1], refused[0]]
+
+
+@pytest.mark.parametrize(("apart_m", "reach"), [(0.027, True), (0.034, True), (0.05, False), (0.06, False)])
+def test_bodies_reach_into_each_other_where_their_centres_do_not(apart_m: float, reach: bool) -> None:
+    one = SolidFit("box", np.array([0.0, 0.0, 1.0]), np.eye(3), np.full(3, 0.05), 0.05, 1e-9 * np.eye(3))
+    other = replace(one, centre_m=one.centre_m + [apart_m, 0.0, 0.0])
+    assert reach_into_each_other(one, other) is reach
+    assert not one.overlaps(other)
+
+
+def test_what_is_printed_on_planks_is_looked_for_and_not_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    looks: list[Seen | None] = []
+    look = LastLook.at_refused
+
+    def noted(self: LastLook, *args: Any) -> Seen | None:
+        looks.append(look(self, *args))
+        return looks[-1]
+
+    monkeypatch.setattr(LastLook, "at_refused", noted)
+    result = found("planks_and_prints", 7)
+    assert len(looks) >= 3 and result.wrong == 0 and len(result.ghosts_m) == 0

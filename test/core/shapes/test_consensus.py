@@ -12,6 +12,7 @@ from stereo_pick.core.shapes.consensus import solids_around
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.edgels import edgels_around
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -70,20 +71,35 @@ def test_an_empty_table_has_none() -> None:
     assert solids_around(images.maps, RIG, TABLE, [middle, middle], REACH_PX) == []
 
 
-def test_edges_of_something_else_do_not_count() -> None:
+@pytest.mark.parametrize("view", [0, 1])
+def test_edges_of_something_else_in_one_view_do_not_count(view: int) -> None:
     images, _, places_px = seen(PARTS["sphere"])
+    lens = (RIG.left, RIG.right)[view]
+    middle = normalized(places_px[view][None], lens)[0]
 
-    def all_of_it(places: Floats, _: int) -> Bools:
-        return np.ones(len(places), bool)
+    def all_of_it(places: Floats, i: int) -> Bools:
+        assert np.abs(places).max() < 1  # normalized
+        return np.full(len(places), i == view)
+
+    def nothing_of_it(places: Floats, i: int) -> Bools:
+        return np.full(len(places), False) if i != view else places[:, 0] > middle[0] + 1
 
     assert solids_around(images.maps, RIG, TABLE, places_px, REACH_PX, all_of_it) == []
+    assert len(solids_around(images.maps, RIG, TABLE, places_px, REACH_PX, nothing_of_it)) > 0
 
 
 def test_beyond_the_horizon_there_is_no_table() -> None:
+    """The same edges, of a table that the camera sees from below."""
     images, _, places_px = seen(PARTS["sphere"])
-    facing_away = Table(np.array([0.0, -np.sqrt(0.99), -0.1]), 0.2, 5e-4)
-    above_it = [place - [0.0, 400.0] for place in places_px]
-    assert solids_around(images.maps, RIG, facing_away, above_it, REACH_PX) == []
+    turned_away = Table(-TABLE.normal, TABLE.offset_m, TABLE.sigma_m)
+    assert solids_around(images.maps, RIG, TABLE, places_px, REACH_PX) != []
+    assert solids_around(images.maps, RIG, turned_away, places_px, REACH_PX) == []
+
+
+def test_places_at_the_border_and_reaches_beyond_it_are_no_error() -> None:
+    images, _, _ = seen(PARTS["sphere"])
+    corner = np.array([0.0, 0.0])
+    solids_around(images.maps, RIG, TABLE, [corner, corner], 50_000.0)
 
 
 @pytest.mark.parametrize("inside_is", [40.0, 200.0])
