@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
 
@@ -51,7 +52,12 @@ def main() -> None:
     if options.failures:
         print(f"\n{failed_scenes(scores)}")
     if options.dump:
-        options.dump.write_text(json.dumps([_record(of) for of in scores], indent=1), encoding="utf-8")
+        options.dump.write_text(dumped(scores), encoding="utf-8")
+
+
+def dumped(scores: Sequence[SceneScore]) -> str:
+    """The errors as JSON, object by object."""
+    return json.dumps([_record(of) for of in scores], indent=1)
 
 
 def _options() -> argparse.Namespace:
