@@ -106,7 +106,7 @@ def stone(random: Random, staging: Staging) -> Room:
     room = _room(random, (0.15, 0.3))
     contrast, grain_m = float(random.uniform(0.05, 0.2)), float(random.uniform(0.001, 0.006))
     picture = speckled(random, room.table.albedo, contrast, grain_m, room.table_m / 2)
-    return Room(room.table, picture, room.table_m / 2, room.lamps, room.walls)
+    return Room(room.table, room.lamp, room.walls, picture, room.table_m / 2)
 
 
 def polished(random: Random, staging: Staging) -> Room:
@@ -114,7 +114,7 @@ def polished(random: Random, staging: Staging) -> Room:
     for part in mixed(random, 5, (0.45, 0.85)):
         staging.add(part, _of(random, _PLAIN, (0.45, 0.85)))
     room = _room(random, (0.05, 0.2))
-    return Room(Surface("lacquer", room.table.albedo), lamps=room.lamps, walls=room.walls)
+    return Room(Surface("lacquer", room.table.albedo), room.lamp, room.walls)
 
 
 def hard(random: Random, staging: Staging) -> Room:
@@ -122,7 +122,7 @@ def hard(random: Random, staging: Staging) -> Room:
     for part in mixed(random, 5, (0.5, 0.85)):
         staging.add(part, _of(random, _PLAIN, (0.5, 0.85)))
     lamp = _lamp(random, (20, 45), 1.2, (0.01, 0.05))
-    return Room(_of(random, ("matte", "plastic"), (0.1, 0.25)), lamps=(lamp,), walls=float(random.uniform(0.08, 0.2)))
+    return Room(_of(random, ("matte", "plastic"), (0.1, 0.25)), lamp, float(random.uniform(0.08, 0.2)))
 
 
 def contact(random: Random, staging: Staging) -> Room:
@@ -205,11 +205,9 @@ def _lamp(random: Random, elevation_deg: tuple[float, float], strength: float, r
 
 
 def _room(random: Random, albedos: tuple[float, float]) -> Room:
-    """One or two lamps above, walls that give back half of their light."""
-    lamps = tuple(
-        _lamp(random, (45, 80), float(random.uniform(0.3, 0.8)), (0.1, 0.4)) for _ in range(random.integers(1, 3))
-    )
-    return Room(_of(random, ("matte", "plastic"), albedos), lamps=lamps, walls=float(random.uniform(0.2, 0.5)))
+    """A large lamp above, and walls that give back a part of its light."""
+    lamp = _lamp(random, (40, 80), float(random.uniform(0.4, 1.0)), (0.05, 0.4))
+    return Room(_of(random, ("matte", "plastic"), albedos), lamp, float(random.uniform(0.2, 0.5)))
 
 
 def _sensor(random: Random) -> Sensor:

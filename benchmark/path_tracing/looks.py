@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -50,25 +50,26 @@ class Look:
 class Room:
     """The table's surface, its picture (H, W) of albedos over `table_m` by `table_m` if it has one, and the light.
 
-    walls: how bright the room around is, the lamps' light on a surface that faces them being about 1.
+    lamp: its light on a surface that faces it is about its strength; walls: how bright the room around is.
     """
 
     table: Surface
+    lamp: Lamp
+    walls: float = 0.4
     picture: Floats | None = None
     table_m: float = 4.0
-    lamps: tuple[Lamp, ...] = field(default_factory=tuple)
-    walls: float = 0.4
 
-    def described_lamps(self) -> dict[str, dict[str, Any]]:
-        """Each a disc of light."""
-        return {f"lamp{number}": _disc(lamp) for number, lamp in enumerate(self.lamps)}
+    def described_light(self) -> dict[str, Any]:
+        """As Mitsuba wants it. What is sampled of the room is what surfaces reflect: half of the noise is gone."""
+        walls = {"type": "constant", "radiance": {"type": "rgb", "value": self.walls}, "sampling_weight": 0.0}
+        return {"walls": walls, "lamp": _disc(self.lamp)}
 
 
 def _disc(lamp: Lamp) -> dict[str, Any]:
     import mitsuba as mi
 
     centre, radius_m = lamp.centre_m, max(lamp.radius_m, 0.01)
-    radiance = lamp.strength * lamp.distance_m**2 / radius_m**2
+    radiance = lamp.strength * lamp.distance_m**2 / radius_m**2  # of pi times that, on what is white, 1 / pi is seen
     up = [0.0, 1.0, 0.0] if abs(lamp.direction[1]) < 0.9 else [1.0, 0.0, 0.0]
     to_world = mi.ScalarTransform4f().look_at(origin=centre.tolist(), target=[0, 0, 0], up=up)
     return {

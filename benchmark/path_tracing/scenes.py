@@ -20,7 +20,7 @@ from stereo_pick.core.transform import Transform
 
 _BOUNCES = 5
 _AT_ONCE = 16  # samples of each pixel
-_PASSES = 6
+_PASSES = 4
 _BRIGHTEST = 4.0  # that a sample counts for, in what white paper gives back: a rare glint is no speckle then
 _WHITE = 95.0  # percentile of what the parts show that is exposed to `white`
 
@@ -65,9 +65,8 @@ class Traced:
         mi.set_variant("llvm_ad_mono")
         described: dict[str, Any] = {
             "type": "scene",
-            "walls": {"type": "constant", "radiance": {"type": "rgb", "value": self.room.walls}},
             "table": _table(self.room),
-            **self.room.described_lamps(),
+            **self.room.described_light(),
         }
         for number, (part, look) in enumerate(zip(self.parts, self.looks)):
             described[f"part{number}"] = _part(part, look)

@@ -13,7 +13,7 @@ from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import BODY, Images
-from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
+from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, SPHERE, Prism
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.standing import most_supported
 from stereo_pick.core.shapes.table import Table
@@ -24,7 +24,7 @@ WELL_SHOWN = 0.92  # ... but with so much of its silhouette, all but its corners
 
 def reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
     """The same, or what the object is if it is no prism; None where that is open."""
-    if found.fit.kind == CYLINDER.name and found.is_astray:
+    if found.fit.kind != SPHERE.name and found.is_astray:
         return None
     is_prism = isinstance(KINDS[found.fit.kind], Prism)
     if found.is_seen and (found.creased >= CREASED or not is_prism):
