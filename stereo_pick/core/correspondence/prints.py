@@ -69,7 +69,7 @@ def _without_a_table(flat: Sequence[Outlined], others: Sequence[Outlined]) -> li
 
 
 def _as_small(rows: Sequence[Row], prints: Sequence[Row], flat_px2: Sequence[float]) -> list[Row]:
-    """Those no larger than one of several prints: another mark of theirs, matched with a wrong one, may be any solid."""
+    """Those no larger than one of several prints: a mark of theirs, matched with a wrong one, may be any solid."""
     areas_px2 = [*flat_px2, *(blobs[0].area_px2 for blobs, _ in prints)]
     return [row for row in rows if len(areas_px2) > 1 and row[0][0].area_px2 <= max(areas_px2)]
 
