@@ -22,12 +22,12 @@ _BOUNCES = 5
 _AT_ONCE = 16  # samples of each pixel
 _PASSES = 4
 _BRIGHTEST = 4.0  # that a sample counts for, in what white paper gives back: a rare glint is no speckle then
-_WHITE = 95.0  # percentile of what the parts show that is exposed to `white`
+_WHITE = 95.0  # percentile of what the left view shows, and of what the parts do there, that is exposed to `white`
 
 
 @dataclass(frozen=True, eq=False)
 class Traced:
-    """All that makes one stereo pair; white: grey level, 1 being the highest, that bright parts come to."""
+    """All that makes one stereo pair; white: grey level, 1 being the highest, that what is bright comes to."""
 
     rig: StereoRig
     left_T_table: Transform
@@ -51,7 +51,8 @@ class Traced:
             _traced(scene, camera, T, 2 * self.noise_seed + number)
             for number, (camera, T) in enumerate(zip(cameras, tables_T_camera))
         ]
-        gain = self.white / float(np.percentile(lights[0][views[0].labels > 0], _WHITE))
+        parts = lights[0][views[0].labels > 0]
+        gain = self.white / max(float(np.percentile(shown, _WHITE)) for shown in (lights[0], parts))
         noise = np.random.default_rng(self.noise_seed)
         left, right = (
             replace(sensor, gain=sensor.gain * gain).expose(light, noise)
