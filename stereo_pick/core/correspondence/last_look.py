@@ -19,7 +19,6 @@ from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.consensus import solids_around
-from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
@@ -89,8 +88,7 @@ class LastLook:
 
     def _is_clear(self, found: Adjusted, least_shown: float) -> bool:
         """Whether an object is hardly anything else; what has no creases, as a ball, must show by its silhouette."""
-        has_creases = creases(found.fit.solid, self.images.eyes_m).seen.any()
-        return found.is_clear and found.shown >= (least_shown if has_creases else max(least_shown, _SHOWN))
+        return found.is_clear and found.shown >= (least_shown if found.has_creases else max(least_shown, _SHOWN))
 
     def _row(self, blobs: BlobPair, found: Supported) -> Row:
         return blobs, by_supported(self.images.rig, found)

@@ -20,12 +20,13 @@ _INNER = _WELL_WITHIN * np.stack(np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3), axis=-1).
 
 def one_in_each_place(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
     """Those that stay, the surest of each place, and the others, to be refused: no solid has its centre in another."""
-    return _compatible(rows, SolidFit.overlaps)
+    return _compatible(rows, lambda where, other: where.fit is not None and where.fit.overlaps(other))
 
 
 def none_behind_another(rows: Sequence[Row], rig: StereoRig) -> tuple[list[Row], list[Row]]:
-    """Those that stay, and the less sure of each two of which one hides the other's centre from both cameras."""
-    return _compatible(rows, lambda one, other: _hides(one, other, rig) or _hides(other, one, rig))
+    """Those that stay, and the less sure of each two of which one hides the other's centre from both cameras. What has
+    no solid is a piece of the one within which both views show its centre."""
+    return _compatible(rows, lambda where, other: is_where(other, where, rig))
 
 
 def clash(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
@@ -52,12 +53,12 @@ def is_where(fit: SolidFit, other: Located, rig: StereoRig) -> bool:
     return _covers(fit, other.left_px, rig.left) and _covers(fit, other.right_px, rig.right)
 
 
-def _compatible(rows: Sequence[Row], clash: Callable[[SolidFit, SolidFit], bool]) -> tuple[list[Row], list[Row]]:
+def _compatible(rows: Sequence[Row], clash: Callable[[Located, SolidFit], bool]) -> tuple[list[Row], list[Row]]:
     stays: list[Row] = []
     goes: list[Row] = []
     for blobs, where in sorted(rows, key=lambda row: row[1].sigma_px):
         others = [other.fit for _, other in stays if other.fit is not None]
-        if where.fit is None or not any(clash(where.fit, other) for other in others):
+        if not any(clash(where, other) for other in others):
             stays.append((blobs, where))
         else:
             goes.append((blobs, replace(where, fit=None, reason="merged")))

@@ -10,12 +10,13 @@ import numpy as np
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.position import Row, by_supported
 from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
-from stereo_pick.core.shapes.hypotheses import BODY, Images
-from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, SPHERE, Prism
+from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, KINDS, SPHERE, Prism
 from stereo_pick.core.shapes.solid_fit import SolidFit
-from stereo_pick.core.shapes.standing import most_supported
+from stereo_pick.core.shapes.standing import exactly, most_supported
 from stereo_pick.core.shapes.table import Table
 
 CREASED = 1 / 3  # of its creases, without which an object is no prism ...
@@ -27,6 +28,8 @@ def reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None)
     if found.fit.kind != SPHERE.name and found.is_astray:
         return None
     is_prism = isinstance(KINDS[found.fit.kind], Prism)
+    if found.fit.kind == CYLINDER.name and not found.has_creases:
+        return _as_prism(images, row, found, table) or row
     if found.is_seen and (found.creased >= CREASED or not is_prism):
         return row
     if not is_prism:
@@ -48,6 +51,20 @@ def _is_slab(fit: SolidFit) -> bool:
     """Whether a solid is much thinner than it is wide: it may be the top of another, with a strip of its side."""
     least, middle, _ = np.sort(fit.size_m)
     return bool(least < BODY * middle)
+
+
+def _as_prism(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
+    """The same object as the prism that shows as much of its silhouette, and its creases as well, if one does."""
+    blobs, _ = row
+    outlines = convex_outlines(blobs)
+    if not can_be_fitted(outlines):
+        return None
+    nearest = [nearest_of_kind([outlines], images.rig, kind, table)[outlines, kind][0] for kind in (BOX, HEX_PRISM)]
+    for each in exactly(images, nearest, table):
+        there = adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0]
+        if there.is_clear and there.has_creases and there.shown >= found.shown - CHANCE:
+            return blobs, by_supported(images.rig, each)
+    return None
 
 
 def _as_cylinder(images: Images, row: Row, table: Table | None) -> Row | None:

@@ -13,11 +13,12 @@ _MOST_CREASES, _MOST_SHOWN = 2 / 3, 3 / 4  # of its creases, of its silhouette
 @dataclass(frozen=True, eq=False)
 class Adjusted:
     """fit: the solid; shown, creased: the part of its silhouette that lies on edges, the least of both views, and of
-    its creases (1 where there are none), as of `share_seen`."""
+    its creases (1 where there are none), as of `share_seen`; has_creases: whether there are any, clear of it."""
 
     fit: SolidFit
     shown: float
     creased: float
+    has_creases: bool
 
     @property
     def is_astray(self) -> bool:

@@ -217,6 +217,7 @@ def _results(
             SolidFit(solids.kind.name, solids.centre_m[i], solids.rotation[i], size_m[i], float(scale), covariance[i]),
             float(seen.shown[i]),
             float(seen.creased[i]),
+            bool(seen.has_creases[i]),
         )
         for i, scale in enumerate(seen.scale_px)
     ]

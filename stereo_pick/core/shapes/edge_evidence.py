@@ -37,13 +37,14 @@ class EdgeEvidence(NamedTuple):
     """normal: (S, P + 2, P + 2) and right: (S, P + 2), the normal equations of a step, by their noise, of the solids
     and, last, of the right camera about its x and z axis [rad]; scale_px: (S,), robust standard
     deviation of the distances; shown, creased: (S,), the part of the silhouettes (the least of both views)
-    and of the creases (1 where there are none) that lies on edges."""
+    and of the creases (1 where there are none) that lies on edges; has_creases: (S,), whether there are any."""
 
     normal: Floats
     right: Floats
     scale_px: Floats
     shown: Floats
     creased: Floats
+    has_creases: Bools
 
 
 class Seen(NamedTuple):
@@ -62,7 +63,8 @@ class Seen(NamedTuple):
         """What that says of them, if light moves arcs by so much (S,)."""
         normal, right = self.outer.equations(self.outer.weights(self.scale_px, sigma_px))
         more, more_right = self.inner.equations(self.slid.weights(self.scale_px, sigma_px))
-        return EdgeEvidence(normal + more, right + more_right, self.scale_px, self.shown, self.inner.shown())
+        there = np.asarray(self.inner.there.any(axis=1))
+        return EdgeEvidence(normal + more, right + more_right, self.scale_px, self.shown, self.inner.shown(), there)
 
 
 def edges_seen(

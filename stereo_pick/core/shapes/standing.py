@@ -44,7 +44,7 @@ def standing_candidates(images: Images, pair: Pair, table: Table) -> list[Solids
     return _candidates(images, [pair], table)[pair] if can_be_fitted(pair) else []
 
 
-def exactly(images: Images, candidates: Sequence[Solids], table: Table) -> list[Supported]:
+def exactly(images: Images, candidates: Sequence[Solids], table: Table | None) -> list[Supported]:
     """Those that lie on their edges exactly; the best first."""
     found = images.all_locked(candidates, table)
     return sorted((each for each in found if each.is_exact), key=lambda each: -each.score)

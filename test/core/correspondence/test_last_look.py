@@ -87,7 +87,7 @@ def test_where_it_is_open_which_of_two_it_is_neither_is_taken(monkeypatch: pytes
     fits = [SolidFit("box", s.centre_m[0], s.rotation[0], s.size_m()[0], 0.05, 1e-9 * np.eye(3)) for s in there]
     alike = [Supported(fit, 0.9, 0.05, believable=True) for fit in fits]
     monkeypatch.setattr(last_look, "exactly", lambda *_: alike)
-    monkeypatch.setattr(last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], 0.9, 1.0)], TABLE))
+    monkeypatch.setattr(last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], 0.9, 1.0, True)], TABLE))
     assert at(images, blobs, [], []) is None
     monkeypatch.setattr(last_look, "exactly", lambda *_: alike[:1])
     assert at(images, blobs, [], []) is not None

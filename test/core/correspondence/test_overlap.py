@@ -44,3 +44,14 @@ def test_the_surest_stays_and_the_others_are_refused() -> None:
     stays, goes = one_in_each_place([row(0.0, 0.3), row(0.001, 0.1), row(0.1, 0.5), unknown])
     assert sorted(where.sigma_px for _, where in stays) == [0.1, 0.5, 2.0]
     assert [(where.sigma_px, where.reason) for _, where in goes] == [(0.3, "merged")]
+
+
+def test_a_piece_of_a_solid_is_none_of_its_own() -> None:
+    """What no solid explains is one where both views show its centre within what another does."""
+    whole = row(0.0, 0.1)
+    centre = [whole[1].fit.centre_px(camera) for camera in (RIG.left, RIG.right)] if whole[1].fit else []
+    piece, half_seen = (
+        ((BLOB, BLOB), Located(centre[0], right_px, 2.0, None)) for right_px in (centre[1], centre[1] + (200.0, 0.0))
+    )
+    stays, goes = none_behind_another([piece, half_seen, whole], RIG)
+    assert stays == [whole, half_seen] and [where.reason for _, where in goes] == ["merged"]
