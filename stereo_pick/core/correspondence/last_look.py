@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.located import convex_outlines, is_flat
@@ -17,19 +19,22 @@ from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
-from stereo_pick.core.shapes.common_table import stands_on
+from stereo_pick.core.shapes.common_table import stands_on, surely_on
 from stereo_pick.core.shapes.consensus import solids_around
-from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
+from stereo_pick.core.shapes.hypotheses import CHANCE, SUPPORTED, Images, Supported
+from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
-from stereo_pick.core.shapes.standing import agree, exactly, no_surer_than_rivals, standing_candidates
+from stereo_pick.core.shapes.standing import agree, nearly, no_surer_than_rivals, standing_candidates
 from stereo_pick.core.shapes.table import Table
 
 _REASONS = ("half_lit", "merged", "off_table", "other_shape")  # of which an object may be found yet
 _MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 6  # solids for each object
-_SHOWN = 3 / 4  # of its silhouette, for what has no creases to be told by
+_SHOWN = 3 / 4  # of its silhouette, for what has no creases to be told by ...
+_HALF = 1 / 2  # ... and for a ball whose height above the table its edges tell ...
+_KNOWN = 0.05  # ... to this part of its size
 
 Seen = tuple[Row, Adjusted]
 
@@ -76,7 +81,7 @@ class LastLook:
     def _free_ones(self, candidates: Sequence[Solids], others: Sequence[SolidFit]) -> list[tuple[Supported, Adjusted]]:
         """The best of these, each another one, that lie on their edges exactly, and where all edges put them."""
         found: list[tuple[Supported, Adjusted]] = []
-        for each in exactly(self.images, candidates, self.table):
+        for each in nearly(self.images, candidates, self.table):
             if len(found) == _LOOKED_AT:
                 break
             if any(each.fit.kind == other.fit.kind and agree(each.fit, other.fit) for other, _ in found):
@@ -87,8 +92,21 @@ class LastLook:
         return found
 
     def _is_clear(self, found: Adjusted, least_shown: float) -> bool:
-        """Whether an object is hardly anything else; what has no creases, as a ball, must show by its silhouette."""
-        return found.is_clear and found.shown >= (least_shown if found.has_creases else max(least_shown, _SHOWN))
+        """Whether an object is hardly anything else; what has no creases must show by its silhouette, or, a ball, by
+        lying where it would without the table."""
+        if not found.is_clear or found.shown < least_shown:
+            return False
+        if found.has_creases:
+            return found.shown >= SUPPORTED
+        return found.shown >= _SHOWN or (found.shown >= _HALF and self._lies_by_itself(found.fit))
+
+    def _lies_by_itself(self, fit: SolidFit) -> bool:
+        """Whether a ball, known by its edges alone, lies on the table."""
+        if fit.kind != SPHERE.name:
+            return False
+        alone = adjusted([fit], self.images.maps, self.images.rig, None, before=self.before)[0][0].fit
+        sigma_m = float(np.sqrt(self.table.normal @ alone.covariance @ self.table.normal))
+        return sigma_m < _KNOWN * float(alone.size_m[0]) and surely_on(self.table, alone)
 
     def _row(self, blobs: BlobPair, found: Supported) -> Row:
         return blobs, by_supported(self.images.rig, found)

@@ -25,7 +25,7 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
 _LOOKED_FOR, _LOOKED_FOR_LAST = (SPHERE, CYLINDER, BOX), (HEX_PRISM,)
-_SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
+SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
 _PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a median
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
 _SHOWN_BEYOND = 0.5  # part of what a solid adds to the outlines that must lie on edges
@@ -225,7 +225,7 @@ def _supported(locked: Locked, row: int, table: Table | None) -> Supported:
 
 def _carries(support: float, off_px: float) -> bool:
     """Whether edges so far off a solid, with so much of its silhouette on them, make it believable."""
-    return _is_tight(off_px) and support > _SUPPORTED + _PER_PX * max(0.0, off_px - NOISE_PX)
+    return _is_tight(off_px) and support > SUPPORTED + _PER_PX * max(0.0, off_px - NOISE_PX)
 
 
 def _is_tight(off_px: float) -> bool:
