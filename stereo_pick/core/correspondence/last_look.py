@@ -21,8 +21,9 @@ from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on, surely_on
 from stereo_pick.core.shapes.consensus import solids_around
+from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.hypotheses import CHANCE, SUPPORTED, Images, Supported
-from stereo_pick.core.shapes.kinds import SPHERE
+from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.standing import agree, nearly, no_surer_than_rivals, standing_candidates
@@ -96,13 +97,13 @@ class LastLook:
         lying where it would without the table."""
         if not found.is_clear or found.shown < least_shown:
             return False
-        if found.has_creases:
-            return found.shown >= SUPPORTED
-        return found.shown >= _SHOWN or (found.shown >= _HALF and self._lies_by_itself(found.fit))
+        if found.shown >= (SUPPORTED if found.has_creases else _SHOWN):
+            return True
+        return found.shown >= _HALF and self._lies_by_itself(found.fit)
 
     def _lies_by_itself(self, fit: SolidFit) -> bool:
         """Whether a ball, known by its edges alone, lies on the table."""
-        if fit.kind != SPHERE.name:
+        if fit.kind == CYLINDER.name and not creases(fit.solid, self.images.eyes_m).seen.any():
             return False
         alone = adjusted([fit], self.images.maps, self.images.rig, None, before=self.before)[0][0].fit
         sigma_m = float(np.sqrt(self.table.normal @ alone.covariance @ self.table.normal))
