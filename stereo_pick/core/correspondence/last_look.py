@@ -1,7 +1,8 @@
 """A last look at what would be refused: the table is known by now, and the other objects on it.
 
 What the outlines hint at is tried first, and then what most edges around them agree on. A solid found so late must
-be hardly anything else: exactly on its edges, its creases shown, where no other object is.
+be hardly anything else: exactly on its edges, its creases shown, where no other object is. Half a silhouette will do
+for that, as of a ball lit from one side, where its edges alone put it on the table, of which they know nothing.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on, surely_on
 from stereo_pick.core.shapes.consensus import solids_around
 from stereo_pick.core.shapes.creases import creases
-from stereo_pick.core.shapes.hypotheses import CHANCE, SUPPORTED, Images, Supported
+from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported, carries
 from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
@@ -34,8 +35,8 @@ _MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 6  # solids for each object
 _SHOWN = 3 / 4  # of its silhouette, for what has no creases to be told by ...
-_HALF = 1 / 2  # ... and for a ball whose height above the table its edges tell ...
-_KNOWN = 0.05  # ... to this part of its size
+_HALF = 1 / 2  # ... and for what its edges alone put on the table ...
+_KNOWN = 0.05  # ... as sure as this part of its size
 
 Seen = tuple[Row, Adjusted]
 
@@ -55,7 +56,7 @@ class LastLook:
         is none, or none that shows so much of its silhouette, or where it is open which it is."""
         free = self._free_ones(self._hinted(blobs) + self._around(blobs), others)
         least = max([least_shown, *(there.shown - CHANCE for _, there in free)])
-        clear = [(each, there) for each, there in free if self._is_clear(there, least)]
+        clear = [(each, there) for each, there in free if self._is_clear(each, there, least)]
         if not clear:
             return None
         (first, there), *rest = clear
@@ -63,7 +64,7 @@ class LastLook:
         longer = self.images.longer(first.fit.solid, self.table)
         if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
             beyond = self._free(longer, others) if longer.is_exact else None
-            if beyond is None or not self._is_clear(beyond, least):
+            if beyond is None or not self._is_clear(longer, beyond, least):
                 rivals.append(longer)
             else:
                 first, there = longer, beyond
@@ -92,25 +93,25 @@ class LastLook:
                 found.append((each, there))
         return found
 
-    def _is_clear(self, found: Adjusted, least_shown: float) -> bool:
-        """Whether an object is hardly anything else; what has no creases must show by its silhouette, or, a ball, by
-        lying where it would without the table."""
-        if not found.is_clear or found.shown < least_shown:
+    def _is_clear(self, found: Supported, there: Adjusted, least_shown: float) -> bool:
+        """Whether an object is hardly anything else: it shows most of its silhouette, and its creases if it has any; or
+        half of that, if it is on the table by what shows alone."""
+        if not there.is_clear or there.shown < least_shown:
             return False
-        if found.shown >= (SUPPORTED if found.has_creases else _SHOWN):
+        seen = there.shown, there.fit.residual_px
+        is_exact = found.is_exact or carries(*seen)
+        if is_exact and (there.has_creases or there.shown >= _SHOWN):
             return True
-        return found.shown >= _HALF and self._lies_by_itself(found.fit)
+        return carries(*seen, _HALF) and self._stands_by_itself(there.fit)
 
-    def _lies_by_itself(self, fit: SolidFit) -> bool:
-        """Whether a ball, known by its edges alone, lies on the table."""
+    def _stands_by_itself(self, fit: SolidFit) -> bool:
+        """Whether a solid's edges put it on the table that know nothing of that; those of a cylinder between its ends
+        do not tell how long it is."""
         if fit.kind == CYLINDER.name and not creases(fit.solid, self.images.eyes_m).seen.any():
             return False
         alone = adjusted([fit], self.images.maps, self.images.rig, None, before=self.before)[0][0].fit
         sigma_m = float(np.sqrt(self.table.normal @ alone.covariance @ self.table.normal))
         return sigma_m < _KNOWN * float(alone.size_m[0]) and surely_on(self.table, alone)
-
-    def _row(self, blobs: BlobPair, found: Supported) -> Row:
-        return blobs, by_supported(self.images.rig, found)
 
     def _free(self, found: Supported, others: Sequence[SolidFit]) -> Adjusted | None:
         """Where all its edges put a solid, if it is no sheet and no other is there."""

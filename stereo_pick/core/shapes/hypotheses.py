@@ -25,7 +25,7 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
 _LOOKED_FOR, _LOOKED_FOR_LAST = (SPHERE, CYLINDER, BOX), (HEX_PRISM,)
-SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
+_SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
 _PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a median
 _CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
 _SHOWN_BEYOND = 0.5  # part of what a solid adds to the outlines that must lie on edges
@@ -57,7 +57,7 @@ class Supported:
     @property
     def is_exact(self) -> bool:
         """Whether it is believable without noise as an excuse for how far its edges lie off."""
-        return self.believable and _carries(self.support, self.fit.residual_px)
+        return self.believable and carries(self.support, self.fit.residual_px)
 
     @property
     def raises_doubt(self) -> bool:
@@ -220,12 +220,12 @@ def _supported(locked: Locked, row: int, table: Table | None) -> Supported:
         solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance
     )
     fixed = bool(determined(fit, covariance[None])[0])
-    return Supported(result, support, off_px, fixed and _carries(support, off_px))
+    return Supported(result, support, off_px, fixed and carries(support, off_px))
 
 
-def _carries(support: float, off_px: float) -> bool:
+def carries(support: float, off_px: float, least: float = _SUPPORTED) -> bool:
     """Whether edges so far off a solid, with so much of its silhouette on them, make it believable."""
-    return _is_tight(off_px) and support > SUPPORTED + _PER_PX * max(0.0, off_px - NOISE_PX)
+    return _is_tight(off_px) and support > least + _PER_PX * max(0.0, off_px - NOISE_PX)
 
 
 def _is_tight(off_px: float) -> bool:

@@ -29,6 +29,7 @@ TABLE = Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation), 5e-4)
 A_PART_IS_LIT = [("glossy", 146, 4), ("bright_and_dark", 150, 0)]
 MERGED_WITH_A_SHADOW = [("dark_on_light", 146, 0), ("dark_on_light", 151, 2), ("planks_and_prints", 158, 1)]
 LIES_AMONG_ITS_SHADOWS = [("bright_and_dark", 150, 1), ("tubes", 147, 2), ("tubes", 19, 1)]
+HALF_OF_IT_SHOWS = [("light_differences", 209, 1), ("glossy", 207, 4), ("glossy", 206, 2)]
 
 
 def found(family: str, seed: int) -> SceneScore:
@@ -36,7 +37,9 @@ def found(family: str, seed: int) -> SceneScore:
     return score(family, seed, Pipeline(scene.rig, Steps()), *scene.taken())
 
 
-@pytest.mark.parametrize(("family", "seed", "which"), [*A_PART_IS_LIT, *MERGED_WITH_A_SHADOW, *LIES_AMONG_ITS_SHADOWS])
+@pytest.mark.parametrize(
+    ("family", "seed", "which"), [*A_PART_IS_LIT, *MERGED_WITH_A_SHADOW, *LIES_AMONG_ITS_SHADOWS, *HALF_OF_IT_SHOWS]
+)
 def test_what_was_refused_is_found_by_the_edges_around_it(family: str, seed: int, which: int) -> None:
     result = found(family, seed)
     assert {each.which: each.distance_m for each in result.found}[which] < 5e-4
@@ -86,11 +89,38 @@ def test_where_it_is_open_which_of_two_it_is_neither_is_taken(monkeypatch: pytes
     there = [solid_of(RIG, Scene((part,), PLACED), part) for part in (PARTS["box"], other)]
     fits = [SolidFit("box", s.centre_m[0], s.rotation[0], s.size_m()[0], 0.05, 1e-9 * np.eye(3)) for s in there]
     alike = [Supported(fit, 0.9, 0.05, believable=True) for fit in fits]
-    monkeypatch.setattr(last_look, "exactly", lambda *_: alike)
+    monkeypatch.setattr(last_look, "nearly", lambda *_: alike)
     monkeypatch.setattr(last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], 0.9, 1.0, True)], TABLE))
     assert at(images, blobs, [], []) is None
-    monkeypatch.setattr(last_look, "exactly", lambda *_: alike[:1])
+    monkeypatch.setattr(last_look, "nearly", lambda *_: alike[:1])
     assert at(images, blobs, [], []) is not None
+
+
+@pytest.mark.parametrize(
+    ("shown", "off_m", "sigma_m", "is_found"),
+    [
+        (0.76, 0.005, 1e-4, True),
+        (0.6, 0.0, 1e-4, True),
+        (0.6, 0.005, 1e-4, False),
+        (0.6, 0.0, 4e-3, False),
+        (0.45, 0.0, 1e-4, False),
+    ],
+)
+def test_half_of_a_ball_is_enough_only_where_it_lies_on_the_table_by_itself(
+    shown: float, off_m: float, sigma_m: float, is_found: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """off_m: by how much its edges alone put it higher; sigma_m: how well they know."""
+    part = PARTS["sphere"]
+    images, blobs, scene = lone(part)
+    on_it = SolidFit("sphere", centre_m(RIG, scene, part), np.eye(3), np.array(part.size_m), 0.05, 1e-8 * np.eye(3))
+    alone = replace(on_it, centre_m=on_it.centre_m + off_m * NORMAL, covariance=sigma_m**2 * np.eye(3))
+    monkeypatch.setattr(last_look, "nearly", lambda *_: [Supported(on_it, shown, 0.05, believable=True)])
+    monkeypatch.setattr(
+        last_look,
+        "adjusted",
+        lambda _fits, _maps, _rig, table, *_, **__: ([Adjusted(on_it if table else alone, shown, 1.0, False)], table),
+    )
+    assert (at(images, blobs, [], []) is not None) == is_found
 
 
 def test_only_what_both_views_show_whole_is_looked_for_again_the_largest_first() -> None:
