@@ -24,7 +24,7 @@ from stereo_pick.core.shapes.common_table import stands_on, surely_on
 from stereo_pick.core.shapes.consensus import solids_around
 from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported, carries
-from stereo_pick.core.shapes.kinds import CYLINDER
+from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.standing import agree, nearly, no_surer_than_rivals, standing_candidates
@@ -95,14 +95,16 @@ class LastLook:
 
     def _is_clear(self, found: Supported, there: Adjusted, least_shown: float) -> bool:
         """Whether an object is hardly anything else: it shows most of its silhouette, and its creases if it has any; or
-        half of that, if it is on the table by what shows alone."""
+        half of that, if it is on the table by what shows alone. A ball, which is no piece of another, need not be so
+        exactly on its edges."""
         if not there.is_clear or there.shown < least_shown:
             return False
         seen = there.shown, there.fit.residual_px
         is_exact = found.is_exact or carries(*seen)
         if is_exact and (there.has_creases or there.shown >= _SHOWN):
             return True
-        return carries(*seen, _HALF) and self._stands_by_itself(there.fit)
+        is_half = there.shown > _HALF if there.fit.kind == SPHERE.name else carries(*seen, _HALF)
+        return is_half and self._stands_by_itself(there.fit)
 
     def _stands_by_itself(self, fit: SolidFit) -> bool:
         """Whether a solid's edges put it on the table that know nothing of that; those of a cylinder between its ends
