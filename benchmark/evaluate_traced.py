@@ -1,7 +1,7 @@
 """Prints what the package finds in path-traced scenes with exact truth, as Markdown.
 
-Needs the extra `tracing` (Mitsuba 3) and LLVM's library, 15 or later; DRJIT_LIBLLVM_PATH says where that is, if it is
-not found.
+Needs `pip install 'mitsuba>=3.9'` and LLVM's library, 15 or later; DRJIT_LIBLLVM_PATH says where that is, if it is not
+found.
 
 python benchmark/evaluate_traced.py [--family NAME ...] [--seeds N] [--cache DIR] [--jobs N]
 python benchmark/evaluate_traced.py --write docs/path_traced.md

@@ -130,8 +130,7 @@ class Feature(Method):
         rig = images.rig
         together = adjusted_together(images, found, is_known, self.flat_parts)
         table = together.table
-        flat_px2 = [each.left.area_px2 for each in together.refused if each.reason == "flat" and each.left]
-        prints = [] if self.flat_parts else prints_among(together.kept, rig, table, is_known, flat_px2)
+        prints = [] if self.flat_parts else prints_among(together.kept, rig, table, is_known)
         objects = [row for row in together.kept if row not in prints]
         normal = table.normal if table else common_normal([where.fit for _, where in objects])
         kept, unknown = self._of_known_reference(objects, normal)

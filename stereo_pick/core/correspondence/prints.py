@@ -31,20 +31,16 @@ _SIGMAS = 2  # ... and by which the table's height is not sure
 Outlined = tuple[Row, Sides]
 
 
-def prints_among(
-    rows: Sequence[Row], rig: StereoRig, table: Table | None, is_known: bool, flat_px2: Sequence[float] = ()
-) -> list[Row]:
+def prints_among(rows: Sequence[Row], rig: StereoRig, table: Table | None, is_known: bool) -> list[Row]:
     """Those that may be prints, or the lit top of something that shows nothing else.
 
-    table: what the objects stand on, and prints lie on; is_known: whether it is known without them; flat_px2: areas in
-    the left view of what is known to be flat besides. A table that only prints speak for is none: all of them lie on
-    another, higher up.
+    table: what the objects stand on, and prints lie on; is_known: whether it is known without them. A table that only
+    prints speak for is none: all of them lie on another, higher up.
     """
     flat = [(row, Sides.of(*row[0], rig)) for row in rows if _may_be_flat(*row, rig)]
     if table is None:
         others = [(row, Sides.of(*row[0], rig)) for row in rows if not any(row is each for each, _ in flat)]
-        prints = [row for row, _ in _without_a_table(flat, others)]
-        return prints + _as_small([row for row in rows if row not in prints], prints, flat_px2)
+        return [row for row, _ in _without_a_table(flat, others)]
     if not is_known and 0 < len(flat) == len(rows) and _on_one_plane(flat):
         return list(rows)
     return [each[0] for each in flat if _is_level(table, each, rig)]
@@ -66,12 +62,6 @@ def _without_a_table(flat: Sequence[Outlined], others: Sequence[Outlined]) -> li
     if len(together) > 1:
         prints += [each for each in every if each not in prints and _on_one_plane([*together, each])]
     return prints
-
-
-def _as_small(rows: Sequence[Row], prints: Sequence[Row], flat_px2: Sequence[float]) -> list[Row]:
-    """Those no larger than one of several prints: a mark of theirs, matched with a wrong one, may be any solid."""
-    areas_px2 = [*flat_px2, *(blobs[0].area_px2 for blobs, _ in prints)]
-    return [row for row in rows if len(areas_px2) > 1 and row[0][0].area_px2 <= max(areas_px2)]
 
 
 def _is_ball(where: Located) -> bool:

@@ -25,7 +25,7 @@ WELL_SHOWN = 0.92  # ... but with so much of its silhouette, all but its corners
 
 def reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
     """The same, or what the object is if it is no prism; None where that is open."""
-    if found.fit.kind != SPHERE.name and found.is_astray:
+    if found.is_astray and found.fit.kind != SPHERE.name and not is_flat(found.fit):
         return None
     is_prism = isinstance(KINDS[found.fit.kind], Prism)
     if found.fit.kind == CYLINDER.name and not found.has_creases:

@@ -180,14 +180,3 @@ def test_outlines_without_a_row_in_common_are_left_to_others() -> None:
     (left, right), where = row_of(ball())
     row = (left, blob(right.contour_px + (0.0, 200.0))), where
     assert prints_among([row], RIG, None, False) == prints_among([row], RIG, below(ball(), 0.02), True) == []
-
-
-@pytest.mark.parametrize(("of_its_area", "is_refused"), [((1.0, 0.9), True), ((0.9, 0.8), False), ((1.0,), False)])
-def test_what_is_no_larger_than_prints_may_be_one_matched_with_another(
-    of_its_area: tuple[float, ...], is_refused: bool
-) -> None:
-    """Without a table to stand on."""
-    row = standing(0.0, 45)
-    prints_px2 = [share * row[0][0].area_px2 for share in of_its_area]
-    assert prints_among([row], RIG, None, False, prints_px2) == ([row] if is_refused else [])
-    assert prints_among([row], RIG, level_rows(45, "cylinder")[1], True, prints_px2) == []

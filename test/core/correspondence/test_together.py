@@ -42,6 +42,12 @@ def test_what_has_not_the_creases_of_a_prism_or_lies_off_its_edges_is_refused(fa
     assert max(each.distance_m for each in result.found) < 2e-3 and len(result.ghosts_m) == 0
 
 
+def test_marks_of_a_print_that_are_matched_with_wrong_ones_are_no_solids() -> None:
+    """One was a prism of 11 mm, on a carton on an empty table."""
+    result = found("empty", 211)
+    assert len(result.ghosts_m) == 0 and result.refused["other_shape"] >= 1
+
+
 @pytest.mark.parametrize(("family", "seed"), [("light_differences", 11), ("occluded", 43)])
 def test_what_shows_few_of_its_creases_is_another_if_that_shows_most_of_them(family: str, seed: int) -> None:
     """One of the first was a box of another length, 7 mm off; one of the second was longer by what another hides."""
