@@ -81,7 +81,7 @@ class LastLook:
         return [each for one in several for each in standing_candidates(self.images, convex_outlines(one), self.table)]
 
     def _free_ones(self, candidates: Sequence[Solids], others: Sequence[SolidFit]) -> list[tuple[Supported, Adjusted]]:
-        """The best of these, each another one, that lie on their edges exactly, and where all edges put them."""
+        """The best of these, each another one, that lie on edges where there is room, and where all edges put them."""
         found: list[tuple[Supported, Adjusted]] = []
         for each in nearly(self.images, candidates, self.table):
             if len(found) == _LOOKED_AT:

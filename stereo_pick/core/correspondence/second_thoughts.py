@@ -14,7 +14,7 @@ from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images
-from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, KINDS, SPHERE, Prism
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, KINDS, Prism
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.standing import exactly, most_supported
 from stereo_pick.core.shapes.table import Table
@@ -24,11 +24,11 @@ WELL_SHOWN = 0.92  # ... but with so much of its silhouette, all but its corners
 
 
 def reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
-    """The same, or what the object is if it is no prism; None where that is open."""
-    if found.is_astray and found.fit.kind != SPHERE.name and not is_flat(found.fit):
+    """The same, or what the object is instead: no prism, or one after all; None where that is open."""
+    is_cylinder, is_prism = found.fit.kind == CYLINDER.name, isinstance(KINDS[found.fit.kind], Prism)
+    if found.is_astray and (is_cylinder or (is_prism and not is_flat(found.fit))):
         return None
-    is_prism = isinstance(KINDS[found.fit.kind], Prism)
-    if found.fit.kind == CYLINDER.name and not found.has_creases:
+    if is_cylinder and not found.has_creases:
         return _as_prism(images, row, found, table) or row
     if found.is_seen and (found.creased >= CREASED or not is_prism):
         return row

@@ -50,7 +50,7 @@ def exactly(images: Images, candidates: Sequence[Solids], table: Table | None) -
     return sorted((each for each in found if each.is_exact), key=lambda each: -each.score)
 
 
-def nearly(images: Images, candidates: Sequence[Solids], table: Table | None) -> list[Supported]:
+def nearly(images: Images, candidates: Sequence[Solids], table: Table) -> list[Supported]:
     """Those that edges beside them hint at, more of which may show once all have their say; the best first."""
     found = images.all_locked(candidates, table)
     return sorted((each for each in found if each.raises_doubt), key=lambda each: -each.score)
