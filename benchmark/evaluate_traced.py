@@ -11,22 +11,20 @@ python benchmark/evaluate_traced.py --show FAMILY SEED OUT.png
 from __future__ import annotations
 
 import argparse
-import hashlib
-import pickle
 from collections.abc import Sequence
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 
 import cv2
 import numpy as np
-from accuracy import replace_generated
-from evaluate_families import dumped
+from family_output import ask_for_output, give_out
 from family_picture import picture
 from family_scoring import WRONG_M, SceneScore, score
-from family_tables import accuracy_table, covariance_table, detection_table, failed_scenes, shape_table, size_table
+from family_tables import accuracy_table, covariance_table, detection_table, shape_table, size_table
 from formatting import markdown_table
-from processes import each
+from processes import each, scene_parser
 from rendering import Truth
+from scene_cache import kept
 from traced_families import TRACED, traced
 
 from stereo_pick.core.configuration import steps
@@ -35,7 +33,7 @@ from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.rig import StereoRig
 
 Taken = tuple[StereoRig, StereoFrame, Truth]
-_HERE = Path(__file__).parent
+_SOURCES = ("path_tracing", "traced_families", "parts", "placing")
 
 
 def main() -> None:
@@ -50,43 +48,18 @@ def main() -> None:
     jobs = [(family, seed) for family in options.family for seed in seeds]
     scores = each(jobs, partial(_scored, options.cache), options.jobs)
     text = _report(scores)
-    if options.write:
-        replace_generated(options.write, text)
-    else:
-        print(text)
-    if options.failures:
-        print(f"\n{failed_scenes(scores)}")
-    if options.dump:
-        options.dump.write_text(dumped(scores), encoding="utf-8")
+    give_out(options, scores, text)
 
 
 def taken(folder: Path | None, job: tuple[str, int]) -> Taken:
     """A scene's rig, raw pair and truth; traced once where a folder keeps it."""
     family, seed = job
-    if folder is None:
-        return _taken(family, seed)
-    file = folder / f"traced_{family}_{seed}_{_digest()}.pickle"
-    if not file.is_file():
-        folder.mkdir(parents=True, exist_ok=True)
-        part = file.with_suffix(".part")
-        rig, frame, truth = _taken(family, seed)
-        part.write_bytes(pickle.dumps((rig, frame.left, frame.right, truth)))
-        part.rename(file)
-    rig, left, right, truth = pickle.loads(file.read_bytes())
-    return rig, StereoFrame(left, right), truth
+    return kept(folder, f"traced_{family}_{seed}", _SOURCES, lambda: _taken(family, seed))
 
 
 def _taken(family: str, seed: int) -> Taken:
     scene = traced(family, seed)
     return scene.rig, *scene.taken()
-
-
-@cache
-def _digest() -> str:
-    folders = (_HERE / "rendering", _HERE / "path_tracing")
-    sources = [*(file for folder in folders for file in sorted(folder.glob("*.py")))]
-    sources += [_HERE / f"{name}.py" for name in ("traced_families", "parts", "placing")]
-    return hashlib.sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()[:12]
 
 
 def _scored(folder: Path | None, job: tuple[str, int]) -> SceneScore:
@@ -119,16 +92,9 @@ def _report(scores: Sequence[SceneScore]) -> str:
 
 
 def _options() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--family", nargs="+", choices=TRACED, default=list(TRACED))
-    parser.add_argument("--seeds", type=int, default=6, help="scenes a family (default 6)")
+    parser = scene_parser(__doc__, default=list(TRACED), families=TRACED, seeds=6)
     parser.add_argument("--first-seed", type=int, default=0)
-    parser.add_argument("--cache", type=Path, help="folder that keeps the traced scenes")
-    parser.add_argument("--jobs", type=int, default=1, help="processes")
-    parser.add_argument("--dump", type=Path, help="JSON file for the errors, object by object")
-    parser.add_argument("--write", type=Path, help="page whose generated part is replaced")
-    parser.add_argument("--failures", action="store_true", help="list the scenes that are not wholly right")
-    parser.add_argument("--show", nargs=3, metavar=("FAMILY", "SEED", "OUT.png"), help="draw one scene")
+    ask_for_output(parser)
     return parser.parse_args()
 
 

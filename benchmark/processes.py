@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
@@ -15,11 +15,13 @@ from families import FAMILIES
 Job, Result = TypeVar("Job"), TypeVar("Result")
 
 
-def scene_parser(text: str | None, default: Sequence[str]) -> argparse.ArgumentParser:
+def scene_parser(
+    text: str | None, default: Sequence[str], families: Iterable[str] = FAMILIES, seeds: int = 30
+) -> argparse.ArgumentParser:
     """The options of a program, of that docstring, that looks at scenes of families and writes a page."""
     parser = argparse.ArgumentParser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--family", nargs="+", choices=FAMILIES, default=default)
-    parser.add_argument("--seeds", type=int, default=30, help="scenes a family (default 30)")
+    parser.add_argument("--family", nargs="+", choices=list(families), default=default)
+    parser.add_argument("--seeds", type=int, default=seeds, help=f"scenes a family (default {seeds})")
     parser.add_argument("--cache", type=Path, help="folder that keeps the rendered scenes")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     parser.add_argument("--write", type=Path, help="page whose generated part is replaced")

@@ -14,6 +14,7 @@ from placing import NoRoomError, Table, footprint_gap_m
 from rendering import Lamp, Sensor, Solid, lamp_at
 from rendering.rigs import camera, looking_at, table_before
 
+from stereo_pick.core.camera import Camera
 from stereo_pick.core.rig import StereoRig
 
 Random = np.random.Generator
@@ -176,7 +177,7 @@ def _cameras(random: Random) -> tuple[StereoRig, float]:
     ), px_per_m
 
 
-def _camera(random: Random, name: str, focal_px: float, size_px: tuple[int, int]):
+def _camera(random: Random, name: str, focal_px: float, size_px: tuple[int, int]) -> Camera:
     focal = focal_px * float(random.uniform(0.99, 1.01))
     centre = ((size_px[0] - 1) / 2 + random.uniform(-15, 15), (size_px[1] - 1) / 2 + random.uniform(-15, 15))
     wide = size_px[0] / focal_px  # short lenses distort more

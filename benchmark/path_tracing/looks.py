@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
+import cv2
 import numpy as np
 from rendering import Lamp
 
@@ -69,7 +70,7 @@ def _disc(lamp: Lamp) -> dict[str, Any]:
     import mitsuba as mi
 
     centre, radius_m = lamp.centre_m, max(lamp.radius_m, 0.01)
-    radiance = lamp.strength * lamp.distance_m**2 / radius_m**2  # of pi times that, on what is white, 1 / pi is seen
+    radiance = lamp.strength * lamp.distance_m**2 / radius_m**2
     up = [0.0, 1.0, 0.0] if abs(lamp.direction[1]) < 0.9 else [1.0, 0.0, 0.0]
     to_world = mi.ScalarTransform4f().look_at(origin=centre.tolist(), target=[0, 0, 0], up=up)
     return {
@@ -82,8 +83,6 @@ def _disc(lamp: Lamp) -> dict[str, Any]:
 
 def speckled(random: np.random.Generator, albedo: float, contrast: float, grain_m: float, size_m: float) -> Floats:
     """Albedos of a table with grain, as stone or board has."""
-    from cv2 import GaussianBlur
-
     count = 2048
-    noise = GaussianBlur(random.standard_normal((count, count)), (0, 0), max(grain_m / size_m * count, 0.5))
+    noise = cv2.GaussianBlur(random.standard_normal((count, count)), (0, 0), max(grain_m / size_m * count, 0.5))
     return np.clip(albedo * (1 + contrast * noise / noise.std()), 0.01, 0.95)

@@ -6,9 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from rendering import Scene, Sensor, Solid, Truth, views_of
-from rendering.truth import truth_of
-from rendering.view import _lens
+from rendering import Scene, Sensor, Solid, Truth, lens, tables_T_camera, truth_of, views_of
 
 from path_tracing.looks import Look, Room
 from path_tracing.meshes import mesh
@@ -42,14 +40,13 @@ class Traced:
     def taken(self) -> tuple[StereoFrame, Truth]:
         """The raw pair and its truth."""
         plain = Scene(self.parts, self.left_T_table, lamps=())
-        tables_T_camera = (self.left_T_table.inverse(), self.left_T_table.inverse() @ self.rig.right_T_left.inverse())
-        views = views_of(self.rig, plain)
-        truth = truth_of(self.rig, plain, views, tables_T_camera)
+        placed, views = tables_T_camera(self.rig, plain), views_of(self.rig, plain)
+        truth = truth_of(self.rig, plain, views, placed)
         scene = self._loaded()
         cameras = (self.rig.left, self.rig.right)
         lights = [
             _traced(scene, camera, T, 2 * self.noise_seed + number)
-            for number, (camera, T) in enumerate(zip(cameras, tables_T_camera))
+            for number, (camera, T) in enumerate(zip(cameras, placed))
         ]
         parts = lights[0][views[0].labels > 0]
         gain = self.white / max(float(np.percentile(shown, _WHITE)) for shown in (lights[0], parts))
@@ -108,7 +105,7 @@ def _traced(scene: Any, camera: Camera, table_T_camera: Transform, seed: int) ->
     """The light (H, W) that falls on each pixel."""
     import mitsuba as mi
 
-    rays, per_column, per_row = _lens(camera)
+    rays, per_column, per_row = lens(camera)
     count, random = len(rays), np.random.default_rng(seed)
     integrator, sampler = mi.load_dict({"type": "path", "max_depth": _BOUNCES}), mi.load_dict({"type": "independent"})
     origin = mi.Point3f(*(float(each) for each in table_T_camera.translation))

@@ -33,7 +33,7 @@ class View:
 
 def view(camera: Camera, scene: Scene, table_T_camera: Transform) -> View:
     """One ray a pixel, and 16 where the light changes."""
-    rays, per_column, per_row = _lens(camera)
+    rays, per_column, per_row = lens(camera)
     shape = (camera.height_px, camera.width_px)
     v, u = (each.ravel() for each in np.indices(shape))
     turn = table_T_camera.rotation.T
@@ -78,7 +78,7 @@ def _inside(bounds: list[tuple[Ints, Ints]], u: Ints, v: Ints) -> tuple[Ints, ..
 
 
 @lru_cache(maxsize=8)
-def _lens(camera: Camera) -> tuple[Floats, Floats, Floats]:
+def lens(camera: Camera) -> tuple[Floats, Floats, Floats]:
     """Rays (N, 3) of all pixels, row by row, and by how much they change from one column and one row to the next."""
     v, u = np.mgrid[: camera.height_px, : camera.width_px].astype(np.float64)
     rays = _rays(camera, np.stack([u, v], axis=-1).reshape(-1, 2))
