@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from statistics import NormalDist
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,19 @@ _PLANE = 3  # of the terms
 _HALF, _THIRD = 0.5, 1 / 3  # of the view, at least, that a background covers
 _CLEARLY_TIGHTER = 2.0
 _FEW = 3  # one in so many samples is enough for most of the iterations
+
+
+class EmptySurface(Protocol):
+    """What a view would show without objects, and the spread (one sigma, grey levels) around it."""
+
+    @property
+    def sigma(self) -> float:
+        """One sigma [grey levels]."""
+        ...
+
+    def at(self, window: Window, above: float = 0.0) -> NDArray[np.float32]:
+        """Grey level of the empty surface in a window of the image, raised by `above`."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +91,11 @@ class _Trials:
         return _Trials(samples, np.asarray(np.linalg.pinv(terms[samples]), np.float64))  # some samples are in a line
 
 
+def grid_stride_px(shape: tuple[int, ...]) -> int:
+    """How far apart the samples are from which a view's background is found."""
+    return max(1, int(np.sqrt(np.prod(shape) / _SAMPLES)))
+
+
 def even_background(level: float, shape: tuple[int, ...]) -> Background:
     """The same level everywhere, and a spread of one grey level."""
     height, width = shape
@@ -91,7 +110,7 @@ def fit_background(image: NDArray[np.float32], valid: Bools) -> Background:
     is believed where it is clearly smoother. image: (H, W) grey; valid: (H, W), the pixels to look at.
     """
     height, width = image.shape
-    stride_px = max(1, int(np.sqrt(image.size / _SAMPLES)))
+    stride_px = grid_stride_px(image.shape)
     samples = _samples((height, width), stride_px, valid[::stride_px, ::stride_px].tobytes())
     grey = image.reshape(-1)[samples.index].astype(np.float64)
     half, half_sigma = _fitted(samples, samples.quadratics, grey, _HALF)

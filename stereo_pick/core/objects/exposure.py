@@ -18,8 +18,8 @@ from stereo_pick.core.objects.view import View
 CLIPPED = 254  # grey level: one less than the highest, because rectification interpolates
 
 _WHITE = 255.0
+MOST_LEVELS = 0.5 * _WHITE
 _BLACK = 16.0  # the highest grey level that cameras give for no light at all (ITU-R BT.601)
-_MOST = 0.5  # of all grey levels
 _BESIDE_PX = 4  # how far from the outline the background beside it is looked at
 _LOST = 0.1  # part of an object's pixels that may be clipped where its background is: small high lights
 
@@ -39,7 +39,7 @@ def view_fault(view: View, blobs: Sequence[Blob], least_contrast: float) -> str:
     level = float(np.median(grey))
     if level >= CLIPPED:
         return "saturated"
-    if min(level + least_contrast, _WHITE) - max(level - least_contrast, 0.0) > _MOST * _WHITE:
+    if min(level + least_contrast, _WHITE) - max(level - least_contrast, 0.0) > MOST_LEVELS:
         return "uneven"
     return "too_dark" if level - min(_BLACK, float(grey.min())) < least_contrast else ""
 

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Image
-from stereo_pick.core.objects.background import Background, Window, even_background, fit_background
-from stereo_pick.core.objects.learned import AdjustedBackground
+from stereo_pick.core.objects.background import EmptySurface, Window, even_background, fit_background
+from stereo_pick.core.objects.exposure import MOST_LEVELS
+from stereo_pick.core.objects.uneven import fit_uneven
 from stereo_pick.core.objects.view import View
 
 # A surface that is lit takes nothing away from its surroundings: at the bright side of the background there is
@@ -30,7 +31,7 @@ class Contrast:
     """
 
     view: View
-    background: Background | AdjustedBackground
+    background: EmptySurface
     bright_threshold: float
     dark_threshold: float
     trims: bool
@@ -71,7 +72,7 @@ class Foreground:
 def measure_contrast(view: View, method: str, fixed_threshold: int, threshold_sigma: float) -> Contrast:
     """Compare a view with its background by `method`: background, otsu or fixed."""
     if method == "background":
-        return contrast_with(fit_background(view.smooth, view.inside), view, threshold_sigma)
+        return contrast_with(_fitted_background(view, threshold_sigma), view, threshold_sigma)
     threshold = _otsu(view) if method == "otsu" else float(fixed_threshold)
     grey = view.smooth[view.inside]
     above, below = grey[grey > threshold], grey[grey <= threshold]
@@ -80,7 +81,7 @@ def measure_contrast(view: View, method: str, fixed_threshold: int, threshold_si
     return Contrast(view, even_background(level, view.smooth.shape), threshold - level, level - threshold, trims=False)
 
 
-def contrast_with(background: Background | AdjustedBackground, view: View, threshold_sigma: float) -> Contrast:
+def contrast_with(background: EmptySurface, view: View, threshold_sigma: float) -> Contrast:
     """Compare a view with a model of its empty surface."""
     limit = threshold_sigma * background.sigma
     return Contrast(view, background, limit, limit, trims=True)
@@ -95,6 +96,14 @@ def foreground(contrast: Contrast, polarity: str) -> Foreground:
     if contrast.beyond is not None:
         mask &= contrast.beyond == 0
     return Foreground(contrast, polarity, mask.view(np.uint8), _TRIM[polarity] if contrast.trims else 0.0)
+
+
+def _fitted_background(view: View, threshold_sigma: float) -> EmptySurface:
+    """An even surface, unless objects of most grey levels could not be told from that."""
+    even = fit_background(view.smooth, view.inside)
+    if 2 * threshold_sigma * even.sigma <= MOST_LEVELS:
+        return even
+    return fit_uneven(view.smooth, view.inside, even) or even
 
 
 def _otsu(view: View) -> float:
