@@ -20,7 +20,8 @@ from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.splitting import split
 
 _ROUNDS = 3  # a part may still be several
-_TRIED = 4  # ways to cut the same objects
+_TRIED = 4  # ways to cut the same objects ...
+_TRIED_OF_EACH = 8  # ... and any one of them
 
 
 @dataclass(frozen=True)
@@ -133,11 +134,13 @@ def _together(sides: Sequence[Sequence[Blob]], matching: Matching) -> list[_Cut]
 def _tried(sides: Sequence[Sequence[Blob]], matching: Matching, *, alike: bool) -> list[_Cut]:
     """A few ways to cut each of these objects, the likeliest first."""
     tries: Counter[frozenset[Blob]] = Counter()
+    tries_of_each: Counter[Blob] = Counter()
     tried = []
     for way in ways_to_cut(sides[0], sides[1], matching.similarity, alike):
         objects = way.whole if alike else way.cut  # any may be the other part: they would be tried with each
-        tries[objects] += 1
-        if tries[objects] <= _TRIED:
+        if tries[objects] < _TRIED and all(tries_of_each[blob] < _TRIED_OF_EACH for blob in objects):
+            tries[objects] += 1
+            tries_of_each.update(objects)
             tried.append(way)
     pairs = [pair for way in tried for pair in way.pairs]
     told = [pair for pair in pairs if alike or all(is_told(part) for part in pair)]

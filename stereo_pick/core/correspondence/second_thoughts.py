@@ -43,15 +43,14 @@ def is_flat_after_all(row: Row, table: Table | None) -> bool:
     if fit is None:
         return False
     if table is None:
-        return is_flat(fit, TOP) or _is_slab_or_rod(fit)
+        return is_flat(fit, TOP) or _is_slab(fit)
     return is_flat(fit) if stands_on(table, fit) else is_flat(fit, TOP)
 
 
-def _is_slab_or_rod(fit: SolidFit) -> bool:
-    """Whether a solid is much thinner than it is wide, or long: it may be the top of another, with a strip of its side,
-    or light that mirrors along a thicker one."""
-    least, middle, most = np.sort(fit.size_m)
-    return bool(least < BODY * middle or middle < BODY * most)
+def _is_slab(fit: SolidFit) -> bool:
+    """Whether a solid is much thinner than it is wide: it may be the top of another, with a strip of its side."""
+    least, middle, _ = np.sort(fit.size_m)
+    return bool(least < BODY * middle)
 
 
 def _as_prism(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:

@@ -32,7 +32,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
-from stereo_pick.core.shapes.hypotheses import CHANCE, Images
+from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images
 from stereo_pick.core.shapes.kinds import KINDS, Prism
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.sight import normalized
@@ -131,6 +131,8 @@ def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> R
         doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
     if _may_be_longer(found, table):
         doubt = doubt + _of_size(fit)
+    if _may_be_a_streak(found, table):
+        doubt = doubt + (float(fit.size_m.max()) / 2) ** 2 * np.eye(3)
     return blobs, by_adjusted(images.rig, where, fit, doubt)
 
 
@@ -140,6 +142,13 @@ def _may_be_longer(found: Adjusted, table: Table | None) -> bool:
         return True
     is_in_doubt = isinstance(KINDS[found.fit.kind], Prism) or found.shown < WELL_SHOWN
     return is_in_doubt and found.shown * found.creased < _WELL_SEEN
+
+
+def _may_be_a_streak(found: Adjusted, table: Table | None) -> bool:
+    """Whether a rod may be light that mirrors along a thicker one: no table, and not all of its edges, are there to
+    tell."""
+    _, middle, most = np.sort(found.fit.size_m)
+    return table is None and found.shown < WELL_SHOWN and bool(middle < BODY * most)
 
 
 def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
