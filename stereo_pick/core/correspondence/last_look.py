@@ -30,7 +30,7 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.standing import agree, nearly, no_surer_than_rivals, standing_candidates
 from stereo_pick.core.shapes.table import Table
 
-_REASONS = ("half_lit", "merged", "off_table", "other_shape")  # of which an object may be found yet
+_REASONS = ("half_lit", "merged", "off_table", "other_shape", "flat", "beside_bright")  # of which an object may be found yet
 _MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 6  # solids for each object
@@ -144,7 +144,7 @@ def may_be_found(refused: Sequence[Unread]) -> list[Unread]:
 
 
 def _is_whole(blob: Blob | None) -> bool:
-    return blob is not None and blob.fault in ("", "merged") and len(blob.sharpness) > 0
+    return blob is not None and blob.fault in ("", "merged", "beside_bright") and len(blob.sharpness) > 0
 
 
 def _area_px2(refused: Unread) -> float:
