@@ -33,7 +33,7 @@ from stereo_pick.core.shapes.table import Table
 _REASONS = ("half_lit", "merged", "off_table", "other_shape", "flat", "beside_bright")  # of which an object may be found yet
 _MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
-_LOOKED_AT = 6  # solids for each object
+_LOOKED_AT = 8  # solids for each object
 _SHOWN = 3 / 4  # of its silhouette, for what has no creases to be told by ...
 _HALF = 1 / 2  # ... and for what its edges alone put on the table ...
 _KNOWN = 0.05  # ... as sure as this part of its size

@@ -22,12 +22,12 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.starts import orientations
 from stereo_pick.core.shapes.table import Table
 
-_GUESSES = 400  # of each orientation
+_GUESSES = 1200  # of each orientation
 _FINER = 3  # orientations than for a search that turns them
 _BETTERED, _ROUNDS = 60, 2  # the best guesses, by all the edges that they agree with
-_KEPT = 6  # solids of each kind
+_KEPT = 9  # solids of each kind
 _ON_EDGE_PX = 1.2  # as far as the orientation may be off, and the edge's normal
-_LEAST_SEEN = 1 / 3  # of the rays, in both views, that cross an edge of it
+_LEAST_SEEN = 1 / 4  # of the rays, in both views, that cross an edge of it
 _LEAST_EDGES = 20  # of both views together
 _LEAST_SIZE, _MOST_AWAY = 0.08, 1.5  # by the reach of the rays
 _ANOTHER = 0.05  # of that reach
@@ -171,25 +171,26 @@ def _possible(unknowns: Floats, reach_m: float) -> Bools:
     return np.asarray(is_size & (np.sqrt(dot(along_m, along_m)) < _MOST_AWAY * reach_m))
 
 
-def _on_edge(problem: _Problem, which: Ints, unknowns: Floats) -> Bools:
-    """Which edges (S, E) solids end at."""
-    on_edge = np.zeros((len(which), len(problem.found)), bool)
+def _on_edge(problem: _Problem, which: Ints, unknowns: Floats) -> Floats:
+    """How exactly solids end at each edge (S, E): 1, and 0 where they do not."""
+    on_edge = np.zeros((len(which), len(problem.found)))
     for each in np.unique(which):
         these = np.flatnonzero(which == each)
-        off_m = np.abs(unknowns[these] @ problem.rows[each].T - problem.right_m)
-        on_edge[these] = (off_m < problem.within_m) & problem.found
+        off = (unknowns[these] @ problem.rows[each].T - problem.right_m) / problem.within_m
+        on_edge[these] = np.maximum(1 - off * off, 0) * problem.found
     return on_edge
 
 
-def _seen(on_edge: Bools) -> Floats:
-    """The part (S,) of the rays, the least of both views, that cross one of these edges (S, E)."""
-    return np.asarray(on_edge.reshape(-1, 2, RAYS, PER_RAY).any(axis=3).mean(axis=2).min(axis=1))
+def _seen(on_edge: Floats) -> Floats:
+    """The part (S,) of the rays, the least of both views, that cross one of these edges (S, E), the less the less
+    exactly (MSAC: Torr and Zisserman 2000)."""
+    return np.asarray(on_edge.reshape(-1, 2, RAYS, PER_RAY).max(axis=3).mean(axis=2).min(axis=1))
 
 
-def _bettered(problem: _Problem, which: Ints, unknowns: Floats, on_edge: Bools) -> Floats:
+def _bettered(problem: _Problem, which: Ints, unknowns: Floats, on_edge: Floats) -> Floats:
     """The unknowns by least squares of all edges (S, E) that solids end at."""
     rows = problem.rows[which]
-    weighted = (rows * on_edge[..., None]).transpose(0, 2, 1)
+    weighted = (rows * (on_edge > 0)[..., None]).transpose(0, 2, 1)
     normal, off_m = weighted @ rows, problem.right_m[:, None] - rows @ unknowns[..., None]
     loose = _LOOSE * np.einsum("sii->s", normal) + _TINY
     normal = normal + loose[:, None, None] * np.eye(normal.shape[1])
