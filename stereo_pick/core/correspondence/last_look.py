@@ -30,7 +30,8 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.standing import agree, nearly, no_surer_than_rivals, standing_candidates
 from stereo_pick.core.shapes.table import Table
 
-_REASONS = ("half_lit", "merged", "off_table", "other_shape", "flat", "beside_bright")  # of which an object may be found yet
+# Of which an object may be found yet
+_REASONS = ("half_lit", "merged", "off_table", "other_shape", "flat", "beside_bright")
 _MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 8  # solids for each object
