@@ -13,7 +13,7 @@ from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.below_faces import tables_below
 from stereo_pick.core.shapes.common_table import common_table, stands_on, supposed_tables
 from stereo_pick.core.shapes.fitting import can_be_fitted
-from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.table import Table
 
 _TRIED_TABLES, _TRIED_PAIRS = 4, 3
@@ -78,7 +78,11 @@ class TableSearch:
         return [each.fit for each in found if each is not None and not is_flat(each.fit, TOP)]
 
     def _below_faces(self, fits: Sequence[SolidFit]) -> Table | None:
-        """The table below lit faces on which one of the objects is found, and another one is or stands already."""
+        """The table below lit faces on which one of the objects is found, and another one is or stands already.
+
+        What is as thin as a rod may be light that mirrors in a body of which no face is lit: it does not count.
+        """
+        fits = [fit for fit in fits if fit.flatness >= BODY]
         tops = [blobs for blobs, _ in self.faces]
         others = [pair for pair in self.pairs if not any(pair[0] is left for left, _ in tops)]
         for table in tables_below(self._level, fits, self.images.maps, self.images.eyes_m):

@@ -147,8 +147,7 @@ def _may_be_longer(found: Adjusted, table: Table | None) -> bool:
 def _may_be_a_streak(found: Adjusted, table: Table | None) -> bool:
     """Whether a rod may be light that mirrors along a thicker one: no table, and not all of its edges, are there to
     tell."""
-    _, middle, most = np.sort(found.fit.size_m)
-    return table is None and found.shown < WELL_SHOWN and bool(middle < BODY * most)
+    return table is None and found.shown < WELL_SHOWN and found.fit.flatness < BODY
 
 
 def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:

@@ -48,7 +48,7 @@ def tables_below(
     for face in level:
         below = _down_to(face, normal, face.centre_m @ normal - levels_m)
         votes += np.maximum(shown_parts(below, face.solid, eyes_m, views) - _SHOWN, 0)
-    votes[len(votes) - len(bases_m) :] += np.where(votes[len(votes) - len(bases_m) :] > 0, _SHOWN, 0.0)
+    votes[len(votes) - len(bases_m) :] += _SHOWN
     return [Table(normal, -each, SUPPOSED_SIGMA_M) for each in _best(levels_m, votes, _APART * step_m)]
 
 
