@@ -58,13 +58,7 @@ class TableSearch:
         if agreed is not None:
             return agreed
         fits = fits + self._bodies()
-        agreed = common_table(fits, self._level) or self._below_faces(fits) or self._verified(fits, unknown)
-        return agreed or common_table(self._clear(fits), self._level)
-
-    def _clear(self, fits: list[SolidFit]) -> list[SolidFit]:
-        """The solids where all their edges put them, those of which most of these show."""
-        found = adjusted(fits, self.images.maps, self.images.rig, None)[0] if fits else []
-        return [each.fit for each in found if each.is_clear]
+        return common_table(fits, self._level) or self._below_faces(fits) or self._verified(fits, unknown)
 
     @property
     def _level(self) -> list[SolidFit]:

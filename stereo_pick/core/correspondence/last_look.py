@@ -52,12 +52,12 @@ class LastLook:
     before: Sequence[SolidFit]
     besides: Sequence[Located]
 
-    def at(self, blobs: BlobPair, others: Sequence[SolidFit], least_shown: float = 0.0) -> Seen | None:
+    def at(self, blobs: BlobPair, others: Sequence[SolidFit], shown: float = 0.0) -> Seen | None:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there
-        is none, or none that shows so much of its silhouette, or where it is open which it is."""
+        is none, or where it is open which it is. shown: of its silhouette, as what it was taken for."""
         free = self._free_ones(self._hinted(blobs) + self._around(blobs), others)
-        least = max([least_shown, *(there.shown - CHANCE for _, there in free)])
-        clear = [(each, there) for each, there in free if self._is_clear(each, there, least)]
+        most = max([shown, *(there.shown for _, there in free)])
+        clear = [(each, there) for each, there in free if self._is_clear(each, there, most)]
         if not clear:
             return None
         (first, there), *rest = clear
@@ -65,7 +65,7 @@ class LastLook:
         longer = self.images.longer(first.fit.solid, self.table)
         if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
             beyond = self._free(longer, others) if longer.is_exact else None
-            if beyond is None or not self._is_clear(longer, beyond, least):
+            if beyond is None or not self._is_clear(longer, beyond, most):
                 rivals.append(longer)
             else:
                 first, there = longer, beyond
@@ -94,17 +94,19 @@ class LastLook:
                 found.append((each, there))
         return found
 
-    def _is_clear(self, found: Supported, there: Adjusted, least_shown: float) -> bool:
-        """Whether an object is hardly anything else: it shows most of its silhouette, and its creases if it has any; or
-        half of that, if it is on the table by what shows alone. A ball, which is no piece of another, need not be so
-        exactly on its edges."""
-        if not there.is_clear or there.shown < least_shown:
+    def _is_clear(self, found: Supported, there: Adjusted, most_shown: float) -> bool:
+        """Whether an object is hardly anything else: it shows most of its silhouette, about as much as any other would,
+        and its creases if it has any; or half of that, if it is on the table by what shows alone. A ball, which is no
+        piece of another, need not be so exactly on its edges."""
+        is_ball = there.fit.kind == SPHERE.name
+        least = most_shown - CHANCE if there.has_creases or is_ball else most_shown  # its silhouette is all that speaks
+        if not there.is_clear or there.shown < least:
             return False
         seen = there.shown, there.fit.residual_px
         is_exact = found.is_exact or carries(*seen)
         if is_exact and (there.has_creases or there.shown >= _SHOWN):
             return True
-        is_half = there.shown > _HALF if there.fit.kind == SPHERE.name else carries(*seen, _HALF)
+        is_half = there.shown > _HALF if is_ball else carries(*seen, _HALF)
         return is_half and self._stands_by_itself(there.fit)
 
     def _stands_by_itself(self, fit: SolidFit) -> bool:

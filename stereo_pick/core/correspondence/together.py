@@ -32,7 +32,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
-from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images
+from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.kinds import KINDS, Prism
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.sight import normalized
@@ -110,7 +110,7 @@ def _looked_for_again(
     look = LastLook(images.behind(before), table, before, [where for _, where in besides])
     for row, as_it_was in [one for one in seen if one not in found]:
         others = [each.fit for one, each in [*seen, *found] if one is not row]
-        found.append(look.at(row[0], others, as_it_was.shown - CHANCE) or (row, as_it_was))
+        found.append(look.at(row[0], others, as_it_was.shown) or (row, as_it_was))
     refused = list(open_)
     for unread in may_be_found(open_):
         another = look.at_refused(unread, [each.fit for _, each in found])

@@ -35,8 +35,8 @@ class UnevenBackground:
 
 
 def fit_uneven(image: NDArray[np.float32], valid: Bools, even: Background) -> UnevenBackground | None:
-    """The background of a view (H, W) with so many intervals that what is left is hardly more than what neighbouring
-    pixels differ by; None where the best is not clearly tighter than the even one.
+    """The background of a view (H, W) with so many intervals that what is left is hardly more than what a pixel
+    differs by from its neighbours; None where the best is not clearly tighter than the even one.
 
     valid: (H, W), the pixels to look at.
     """
@@ -72,10 +72,10 @@ def _left_over(
 
 
 def _noise(grey: NDArray[np.float32], known: Bools) -> float:
-    """One sigma of what samples (H, W) differ by from the next of their rows: noise and grain, which no surface can
-    follow."""
-    both = known[:, 1:] & known[:, :-1]
-    return spread(np.diff(grey, axis=1)[both].astype(np.float64) / np.sqrt(2))
+    """One sigma of what samples (H, W) differ by from the mean of those beside them in a row: noise and grain, which no
+    surface can follow, as it follows a slope."""
+    three = known[:, 2:] & known[:, 1:-1] & known[:, :-2]
+    return spread(np.diff(grey, n=2, axis=1)[three].astype(np.float64) / np.sqrt(6))
 
 
 def _basis(axis: Floats, intervals: int) -> Floats:

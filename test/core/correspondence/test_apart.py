@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -107,6 +108,26 @@ def test_what_is_dealt_with_is_not_cut() -> None:
     whole = seen([two_discs()], [two_discs()])
     blobs, rows = taken_apart(whole, [*whole.left, *whole.right], matching(as_seen))
     assert (blobs.left, blobs.right, rows) == (whole.left, whole.right, [])
+
+
+@pytest.mark.parametrize("number", [2, 4, 6])
+def test_what_is_tried_in_vain_grows_with_the_objects_and_not_with_their_combinations(number: int) -> None:
+    """A pair of which both views show marks of a carton took half a minute."""
+    tried: list[BlobPair] = []
+
+    def noted(pairs: list[BlobPair]) -> list[Row]:
+        tried.extend(pairs)
+        return [(pair, Located(pair[0].centroid_px, pair[1].centroid_px, 1.0, None, "merged")) for pair in pairs]
+
+    side = [moved(two_discs(), 150.0 * i) for i in range(number)]
+    anywhere = Similarity(1.5, 0.03, 1.5, (-2000.0, 2000.0))
+    taken_apart(seen(side, side), [], Matching(anywhere, lambda left, right: [], noted))
+    ways_of_each, pairs_of_each = 8, 2
+    assert number <= len(tried) <= 2 * ways_of_each * pairs_of_each * number
+
+
+def moved(blob: Blob, by_px: float) -> Blob:
+    return replace(blob, contour_px=blob.contour_px + [by_px, 0.0])
 
 
 RIG = RIGS["thesis"]

@@ -37,9 +37,8 @@ def test_a_part_is_among_them_wherever_in_it_they_are_looked_for(part: Solid, of
     images, true, places_px = seen(part, off_px)
     found = [each for each in solids_around(images.maps, RIG, TABLE, places_px, REACH_PX) if each.kind is true.kind]
     off_m = [np.linalg.norm(each.centre_m - true.centre_m) for each in found]
-    nearest = found[int(np.argmin(off_m))]
-    assert min(off_m) < 2e-3
-    np.testing.assert_allclose(np.sort(nearest.half_m), np.sort(true.half_m), atol=2e-3)
+    half_off_m = [np.abs(np.sort(each.half_m) - np.sort(true.half_m)).max() for each in found]
+    assert np.maximum(off_m, half_off_m).min() < 2e-3
 
 
 @pytest.mark.parametrize("part", ALL.values(), ids=ALL.keys())

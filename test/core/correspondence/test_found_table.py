@@ -1,0 +1,38 @@
+"""Which objects tell the table below lit faces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from rendered_solids import PLACED, RIG, rectified, solid_of
+from rendering import Cylinder, Scene
+
+from stereo_pick.core.correspondence import found_table
+from stereo_pick.core.correspondence.found_table import TableSearch
+from stereo_pick.core.correspondence.position import Located, Row
+from stereo_pick.core.pipeline import Steps
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.hypotheses import Images
+
+
+@pytest.mark.parametrize(("thick_m", "tells"), [(0.03, True), (0.01, False)])
+def test_a_rod_does_not_as_it_may_be_light_that_mirrors_in_a_body(
+    thick_m: float, tells: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[SolidFit] = []
+
+    def noted(_faces: object, bodies: list[SolidFit], *_: Any) -> list[object]:
+        told.extend(bodies)
+        return []
+
+    monkeypatch.setattr(found_table, "tables_below", noted)
+    part = Cylinder(0.0, 0.0, (thick_m, thick_m, 0.05), lying=True)
+    scene = Scene((part,), PLACED, ambient=0.5)
+    pair, solid = rectified(RIG, scene), solid_of(RIG, scene, part)
+    fit = SolidFit("cylinder", solid.centre_m[0], solid.rotation[0], solid.size_m()[0], 0.05, 1e-8 * np.eye(3))
+    blobs, _ = Steps().correspond(pair)
+    row: Row = (blobs.left[0], blobs.right[0]), Located(np.zeros(2), np.zeros(2), 0.1, fit)
+    TableSearch(Images(pair), [], [], flat_parts=False).table([row])
+    assert (fit in told) is tells
