@@ -24,7 +24,7 @@ _MIN_SIGMA = 0.6  # rounding to whole grey levels alone, over two samples
 _TERMS = 6
 _PLANE = 3  # of the terms
 _HALF, _THIRD = 0.5, 1 / 3  # of the view, at least, that a background covers
-_CLEARLY_TIGHTER = 2.0
+CLEARLY_TIGHTER = 2.0
 _FEW = 3  # one in so many samples is enough for most of the iterations
 
 
@@ -114,10 +114,10 @@ def fit_background(image: NDArray[np.float32], valid: Bools) -> Background:
     samples = _samples((height, width), stride_px, valid[::stride_px, ::stride_px].tobytes())
     grey = image.reshape(-1)[samples.index].astype(np.float64)
     half, half_sigma = _fitted(samples, samples.quadratics, grey, _HALF)
-    if half_sigma <= _CLEARLY_TIGHTER * _MIN_SIGMA:
+    if half_sigma <= CLEARLY_TIGHTER * _MIN_SIGMA:
         return Background(half, (height, width), half_sigma)
     third, third_sigma = _fitted(samples, samples.planes, grey, _THIRD)
-    if third_sigma * _CLEARLY_TIGHTER < half_sigma:
+    if third_sigma * CLEARLY_TIGHTER < half_sigma:
         residual = grey - samples.terms @ third
         own = residual[np.abs(residual) < _TUKEY * third_sigma]
         return Background(third, (height, width), spread(own))

@@ -18,7 +18,7 @@ from stereo_pick.core.objects.view import View
 CLIPPED = 254  # grey level: one less than the highest, because rectification interpolates
 
 _WHITE = 255.0
-MOST_LEVELS = 0.5 * _WHITE
+MOST_LEVELS = 0.5 * _WHITE  # so many grey levels are most of them
 _BLACK = 16.0  # the highest grey level that cameras give for no light at all (ITU-R BT.601)
 _BESIDE_PX = 4  # how far from the outline the background beside it is looked at
 _LOST = 0.1  # part of an object's pixels that may be clipped where its background is: small high lights

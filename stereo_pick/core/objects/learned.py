@@ -16,7 +16,7 @@ from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ImageError
 from stereo_pick.core.frames import RectifiedPair
-from stereo_pick.core.objects.background import Window, refined, spread
+from stereo_pick.core.objects.background import Window, grid_stride_px, refined, spread
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.rig import StereoRig
 
@@ -25,7 +25,6 @@ PAIRS_TO_LEARN = 20
 
 MIN_PAIRS = 3
 NOISE_STEPS = 16  # a noise of one grey level, as it is stored
-_SAMPLES = 3000
 _TRIALS = 250
 _CHECKED = 200
 _MIN_DIFFERENCE = 4.0  # grey levels from which two samples tell of the gain
@@ -124,7 +123,7 @@ def adjusted(learned: LearnedView, view: View, camera: Camera) -> AdjustedBackgr
     """The learned surface with the gain and the offset that this view's light asks for; what lies on it are outliers,
     as long as it covers less than about two fifths of the view."""
     mean, looseness = _prepared(learned, camera, view.reduction)
-    stride_px = max(1, int(np.sqrt(mean.size / _SAMPLES)))
+    stride_px = grid_stride_px(mean.shape)
     grid = np.s_[::stride_px, ::stride_px]
     inside = view.inside[grid]
     grey, known = (picture[grid][inside].astype(np.float64) for picture in (view.smooth, mean))

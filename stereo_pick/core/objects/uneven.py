@@ -12,11 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats
-from stereo_pick.core.objects.background import Background, Window, grid_stride_px, refined, spread
+from stereo_pick.core.objects.background import (
+    CLEARLY_TIGHTER,
+    Background,
+    Window,
+    grid_stride_px,
+    refined,
+    spread,
+)
 from stereo_pick.core.objects.exposure import CLIPPED
 
 _INTERVALS = (1, 2, 3, 6)  # along the shorter side of a view
-_CLEARLY_TIGHTER = 2.0
 _DONE = 1.5  # times what neighbours differ by
 _KNOWN = 0.5  # of a view, at least, that is neither outside nor clipped
 _WHITE = np.float32(255.0)
@@ -51,7 +57,7 @@ def fit_uneven(image: NDArray[np.float32], valid: Bools, even: Background) -> Un
         level = level + more
         if sigma <= least_sigma:
             break
-    if even.sigma <= _CLEARLY_TIGHTER * sigma:
+    if even.sigma <= CLEARLY_TIGHTER * sigma:
         return None
     return UnevenBackground(np.minimum(level, _WHITE), sigma)
 

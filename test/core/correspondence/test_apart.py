@@ -112,7 +112,7 @@ def test_what_is_dealt_with_is_not_cut() -> None:
 
 @pytest.mark.parametrize("number", [2, 4, 6])
 def test_what_is_tried_in_vain_grows_with_the_objects_and_not_with_their_combinations(number: int) -> None:
-    """A pair of which both views show marks of a carton took half a minute."""
+    """Marks on a carton look like parts that may be cut in any combination."""
     tried: list[BlobPair] = []
 
     def noted(pairs: list[BlobPair]) -> list[Row]:

@@ -28,7 +28,12 @@ TABLE = Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation), 5e-4)
 
 A_PART_IS_LIT = [("glossy", 146, 4), ("bright_and_dark", 150, 0)]
 MERGED_WITH_A_SHADOW = [("dark_on_light", 146, 0), ("dark_on_light", 151, 2), ("planks_and_prints", 158, 1)]
-LIES_AMONG_ITS_SHADOWS = [("bright_and_dark", 150, 1), ("tubes", 19, 1)]
+REFUSED_BY_NOW = pytest.mark.xfail(reason="found until guesses were ranked by how exactly edges lie", strict=True)
+LIES_AMONG_ITS_SHADOWS = [
+    ("bright_and_dark", 150, 1),
+    pytest.param("tubes", 147, 2, marks=REFUSED_BY_NOW),
+    ("tubes", 19, 1),
+]
 ITS_TOP_SEEMED_FLAT = [("glossy", 9, 2)]
 SEEMED_TO_HANG = [("glossy", 203, 3), ("bright_and_dark", 212, 0)]
 HALF_OF_IT_SHOWS = [("light_differences", 209, 1), ("glossy", 207, 4), ("glossy", 206, 2)]
