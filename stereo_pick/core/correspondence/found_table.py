@@ -32,7 +32,8 @@ class TableSearch:
 
     def table(self, kept: Sequence[Row]) -> Table | None:
         """The table that the objects found agree on, with what the edges alone say of the others if need be; or one
-        that lit faces or one of the objects let suppose, and on which another object is found, too.
+        that lit faces or one of the objects let suppose, and on which another object is found, too; or one
+        that they agree on once all their own edges have put them where they are.
 
         Where something is left to find on it, it is adjusted together with the objects that stand on it, and again with
         those that are clearly what they seem, if others are not.
@@ -58,7 +59,20 @@ class TableSearch:
         if agreed is not None:
             return agreed
         fits = fits + self._bodies()
-        return common_table(fits, self._level) or self._below_faces(fits) or self._verified(fits, unknown)
+        return (
+            common_table(fits, self._level)
+            or self._below_faces(fits)
+            or self._verified(fits, unknown)
+            or common_table(self._clear(fits), self._level)
+        )
+
+    def _clear(self, fits: Sequence[SolidFit]) -> list[SolidFit]:
+        """Those of the solids that are clearly what they seem, where all their edges put them: an outline alone says
+        roughly how a solid is turned."""
+        if not fits:
+            return []
+        found, _ = adjusted(fits, self.images.maps, self.images.rig, None)
+        return [each.fit for each in found if each.is_clear]
 
     @property
     def _level(self) -> list[SolidFit]:

@@ -20,11 +20,13 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _TOUCHES_PX = 2.0
+_NO_EDGE = 0.05  # of its size: where two parts were cut apart, and one of them is none, the other may end elsewhere
 _SHADE = "beside_bright"
 
 
 def as_unsure_as_whole(rows: Sequence[Row], unread: Sequence[Unread], rig: StereoRig) -> list[Row]:
-    """The same, each as unsure as its centre would move if what touches it and is refused were a piece of it."""
+    """The same, each as unsure as its centre would move if what touches it and is refused were a piece of it, and
+    as where it ends on that side."""
     others = [(each.left, each.right) for each in unread if each.left and each.right and each.reason != _SHADE]
     return [_as_unsure(row, others, rig) for row in rows]
 
@@ -35,8 +37,11 @@ def _as_unsure(row: Row, others: Sequence[BlobPair], rig: StereoRig) -> Row:
     if where.fit is None or not touching:
         return row
     off_px = max(_moved_px(where.fit, pair, rig) for pair in touching)
+    if off_px == 0:  # the solid covers all of it
+        return row
     off_m = off_px * float(where.fit.centre_m[2]) / rig.focal_px
-    return blobs, replace(where, covariance=where.covariance + off_m**2 * np.eye(3))
+    variance_m2 = off_m**2 + (_NO_EDGE * float(where.fit.size_m.mean())) ** 2
+    return blobs, replace(where, covariance=where.covariance + variance_m2 * np.eye(3))
 
 
 def _moved_px(fit: SolidFit, pair: BlobPair, rig: StereoRig) -> float:
