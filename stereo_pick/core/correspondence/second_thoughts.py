@@ -9,7 +9,7 @@ import numpy as np
 
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.position import Row, by_supported
-from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
@@ -34,7 +34,7 @@ def reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None)
         return row
     if not is_prism:
         return None
-    return _as_cylinder(images, row, table) or (row if found.shown > WELL_SHOWN else None)
+    return _as_cylinder(images, row, found, table) or (row if found.shown > WELL_SHOWN else None)
 
 
 def is_flat_after_all(row: Row, table: Table | None) -> bool:
@@ -67,12 +67,17 @@ def _as_prism(images: Images, row: Row, found: Adjusted, table: Table | None) ->
     return None
 
 
-def _as_cylinder(images: Images, row: Row, table: Table | None) -> Row | None:
-    """The same object as the cylinder that the edges support, if they do."""
+def _as_cylinder(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
+    """The same object as the cylinder that the edges support, if they do, and that shows its creases, or as much of its
+    silhouette."""
     blobs, _ = row
     outlines = convex_outlines(blobs)
     if not can_be_fitted(outlines):
         return None
     nearest, _ = nearest_of_kind([outlines], images.rig, CYLINDER, table)[outlines, CYLINDER]
-    found = most_supported(images, [nearest], table)
-    return (blobs, by_supported(images.rig, found)) if found is not None else None
+    other = most_supported(images, [nearest], table)
+    if other is None:
+        return None
+    there = adjusted([other.fit], images.maps, images.rig, table, known=True)[0][0]
+    is_shown = (there.is_clear and there.has_creases) or there.shown >= max(found.shown - CHANCE, MOST_SHOWN)
+    return (blobs, by_supported(images.rig, other)) if is_shown else None

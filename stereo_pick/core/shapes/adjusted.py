@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _ASTRAY_PX = 0.3  # from its edges
-_MOST_CREASES, _MOST_SHOWN = 2 / 3, 3 / 4  # of its creases, of its silhouette
+_MOST_CREASES, MOST_SHOWN = 2 / 3, 3 / 4  # of its creases, of its silhouette
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ class Adjusted:
     @property
     def is_seen(self) -> bool:
         """Whether it shows enough of itself: what lacks its creases, like a tube black to its rim, shows all around."""
-        return self.is_creased or self.shown > _MOST_SHOWN
+        return self.is_creased or self.shown > MOST_SHOWN
 
 
 def is_astray(fit: SolidFit) -> bool:
