@@ -135,7 +135,7 @@ class Feature(Method):
         normal = table.normal if table else common_normal([where.fit for _, where in objects])
         kept, unknown = self._of_known_reference(objects, normal)
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
-        unread = together.refused + [Unread("flat", *each) for each, _ in prints]
+        unread = [*together.refused, *found.for_good, *(Unread("flat", *each) for each, _ in prints)]
         unread += [Unread("no_solid", *each) for each, _ in unknown]
         sure, unsure = by_certainty(kept, unread, rig, most)
         sure.sort(key=lambda row: float(row[1].left_px[0]))

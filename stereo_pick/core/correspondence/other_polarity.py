@@ -5,6 +5,8 @@ All of these lie flat on the table, or on another object. What stands up is an o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from stereo_pick.core.correspondence.frontier import stands_up
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.overlap import clash
@@ -23,19 +25,40 @@ _FADING = 0.25  # of a bright object's width: as far away from its outline a rou
 def joined(bright: Reading, dark: Reading, chosen: Reading, rig: StereoRig) -> Reading:
     """The objects of both polarities; chosen: the one of the two that shows more, and needs less proof.
 
-    Where a bright and a dark one are in each other's way, the dark one is the other's shadow or dark side. What is dark
-    beside a bright one mostly is its shadow, too: it is spoken of where dark objects are the rule.
+    Where a bright and a dark one are in each other's way, the dark one is the other's shadow or dark side.
     """
-    table = chosen.table
-    other = dark if chosen is bright else bright
-    bodies = [row for row in other.kept if _is_body(row[1], table)]
-    light, shade = (chosen.kept, bodies) if chosen is bright else (bodies, chosen.kept)
-    light = [row for row in light if not _is_on_one_of(row[0], dark.kept)]
-    kept = [row for row in shade if not any(_is_of(row, each, rig) for each in light)]
-    besides = [each for each in other.unread if _is_object(each, rig, table)]
-    if chosen is dark:
-        besides += [Unread("beside_bright", *row[0]) for row in shade if row not in kept and row[1].fit is None]
-    return Reading(light + kept, chosen.unread + besides, table)
+    return _dark_besides(bright, dark, rig) if chosen is bright else _bright_besides(dark, bright, rig)
+
+
+def _dark_besides(bright: Reading, dark: Reading, rig: StereoRig) -> Reading:
+    """Bright objects, and dark bodies. What else is dark mostly is a shadow: it is spoken of where there are such."""
+    table = bright.table
+    light = _without_high_lights(bright.kept, dark)
+    bodies = [row for row in dark.kept if _is_body(row[1], table)]
+    kept = _of_none(bodies, light, rig)
+    away = _of_none([row for row in dark.kept if row not in bodies], light, rig)
+    besides = [each for each in dark.unread if kept or _is_object(each, rig, table)]
+    reason = "off_table" if table else "flat"
+    return Reading(light + kept, bright.unread + besides, table, [Unread(reason, *row[0]) for row in away])
+
+
+def _bright_besides(dark: Reading, bright: Reading, rig: StereoRig) -> Reading:
+    """Dark objects, and bright bodies; and of what is dark and lost beside them it is spoken."""
+    table = dark.table
+    light = _without_high_lights([row for row in bright.kept if _is_body(row[1], table)], dark)
+    kept = _of_none(dark.kept, light, rig)
+    besides = [each for each in bright.unread if _is_object(each, rig, table)]
+    besides += [Unread("beside_bright", *row[0]) for row in dark.kept if row not in kept and row[1].fit is None]
+    return Reading(light + kept, dark.unread + besides, table)
+
+
+def _without_high_lights(bright: Sequence[Row], dark: Reading) -> list[Row]:
+    return [row for row in bright if not _is_on_one_of(row[0], dark.kept)]
+
+
+def _of_none(dark: Sequence[Row], light: Sequence[Row], rig: StereoRig) -> list[Row]:
+    """What is dark, but neither a side nor the shadow of a bright object."""
+    return [row for row in dark if not any(_is_of(row, each, rig) for each in light)]
 
 
 def _is_body(where: Located, table: Table | None) -> bool:

@@ -49,11 +49,13 @@ class FirstLook:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """kept: the objects found; unread: those refused; table: what they stand on, as far as that is known."""
+    """kept: the objects found; unread: those refused; table: what they stand on, as far as that is known; for_good:
+    those refused that edges alone would mistake, being shadows perhaps."""
 
     kept: list[Row]
     unread: list[Unread]
     table: Table | None
+    for_good: Sequence[Unread] = ()
 
 
 @dataclass(frozen=True, eq=False)

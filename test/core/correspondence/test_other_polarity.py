@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from families import staged
+from family_scoring import score
 from rendering import Box, Carton, Cylinder, Scene, Solid, Sphere, lamp_at, render
 from rendering.rigs import table_before
 from rigs import RIGS
@@ -95,3 +96,24 @@ def test_a_shadow_beside_a_bright_part_is_no_part_of_unknown_shape() -> None:
     frame, truth = scene.taken()
     result = Pipeline(scene.rig, Steps()).run(frame)
     assert len(result.poses) == 2 and off_m(result, truth.centres_m).max() < 1e-3
+
+
+@pytest.mark.parametrize("seed", [4, 5])
+def test_dark_parts_that_are_not_found_are_spoken_of_where_others_are(seed: int) -> None:
+    """Beside bright parts that were the rule one was lost without a word."""
+    scene = staged("bright_and_dark", seed)
+    result = score("bright_and_dark", seed, Pipeline(scene.rig, Steps()), *scene.taken())
+    assert sum(result.refused.values()) >= len(result.missed)
+
+
+def test_a_dark_part_is_found_among_the_shadows_of_bright_ones() -> None:
+    scene = staged("bright_and_dark", 8)
+    result = score("bright_and_dark", 8, Pipeline(scene.rig, Steps()), *scene.taken())
+    assert {each.which: each.distance_m for each in result.found}[2] < 5e-4
+
+
+def test_a_dark_solid_that_does_not_stand_on_the_table_of_the_bright_ones_is_not_lost_without_a_word() -> None:
+    """By its outlines and a strip of its shadow, a lying cylinder was a box that hung in the air."""
+    scene = staged("bright_and_dark", 205)
+    result = score("bright_and_dark", 205, Pipeline(scene.rig, Steps()), *scene.taken())
+    assert len(result.found) >= 5 and sum(result.refused.values()) >= len(result.missed)
