@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stereo_pick.core.correspondence.carried import as_predicted, carried
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.located import convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import clash, is_where, reach_into_each_other
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
+from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
@@ -32,6 +34,7 @@ from stereo_pick.core.shapes.table import Table
 
 # Of which an object may be found yet
 _REASONS = ("half_lit", "merged", "off_table", "other_shape", "flat", "beside_bright")
+_REASONS_ALONE = ("left_only", "right_only", "merged")  # ... of which one view shows an outline
 _MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 8  # solids for each object
@@ -56,8 +59,9 @@ class LastLook:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there
         is none, or where it is open which it is. shown: of its silhouette, as what it was taken for."""
         free = self._free_ones(self._hinted(blobs) + self._around(blobs), others)
-        most = max([shown, *(there.shown for _, there in free)])
-        clear = [(each, there) for each, there in free if self._is_clear(each, there, most)]
+        clear = [
+            one for one in free if self._is_clear(*one, _most_shown([each for each in free if each is not one], shown))
+        ]
         if not clear:
             return None
         (first, there), *rest = clear
@@ -65,7 +69,7 @@ class LastLook:
         longer = self.images.longer(first.fit.solid, self.table)
         if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
             beyond = self._free(longer, others) if longer.is_exact else None
-            if beyond is None or not self._is_clear(longer, beyond, most):
+            if beyond is None or not self._is_clear(longer, beyond, _most_shown(free, shown)):
                 rivals.append(longer)
             else:
                 first, there = longer, beyond
@@ -73,8 +77,16 @@ class LastLook:
         return None if best is None else ((blobs, by_supported(self.images.rig, best)), there)
 
     def at_refused(self, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
-        """The same of what both views show of what was refused."""
-        return self.at((unread.left, unread.right), others) if unread.left and unread.right else None
+        """The same of what was refused, if need be by the outline of one view, and where the table has it in the
+        other."""
+        if unread.left and unread.right:
+            return self.at((unread.left, unread.right), others)
+        blobs = carried(unread, self.images.rig, self.table)
+        found = self.at(blobs, others) if blobs else None
+        if found is None:
+            return None
+        (blobs, where), there = found
+        return (as_predicted(unread, blobs, there.fit, self.images.rig), where), there
 
     def _hinted(self, blobs: BlobPair) -> list[Solids]:
         """What an object's outlines hint at, with and without what is another's."""
@@ -97,11 +109,15 @@ class LastLook:
     def _is_clear(self, found: Supported, there: Adjusted, most_shown: float) -> bool:
         """Whether an object is hardly anything else: it shows most of its silhouette, about as much as any other would,
         and its creases if it has any; or half of that, if it is on the table by what shows alone. A ball, which is no
-        piece of another, need not be so exactly on its edges."""
+        piece of another, need not be so exactly on its edges. The ends of a cylinder may be as bright as its side, if
+        all of it shows, or clearly more than of any other. most_shown: of any other."""
         is_ball = there.fit.kind == SPHERE.name
         least = most_shown - CHANCE if there.has_creases or is_ball else most_shown  # its silhouette is all that speaks
-        if not there.is_clear or there.shown < least:
+        if there.is_astray or there.shown < least:
             return False
+        if not there.is_creased:
+            by_all_of_it = min(WELL_SHOWN, max(_SHOWN, most_shown + CHANCE))
+            return found.is_exact and there.fit.kind == CYLINDER.name and there.shown > by_all_of_it
         seen = there.shown, there.fit.residual_px
         is_exact = found.is_exact or carries(*seen)
         if is_exact and (there.has_creases or there.shown >= _SHOWN):
@@ -140,10 +156,16 @@ class LastLook:
         return solids_around(images.maps, images.rig, self.table, places_px, reach_px, known.cover if known else None)
 
 
+def _most_shown(several: Sequence[tuple[Supported, Adjusted]], shown: float) -> float:
+    """The most that any of several, or another one, shows of its silhouette."""
+    return max([shown, *(there.shown for _, there in several)])
+
+
 def may_be_found(refused: Sequence[Unread]) -> list[Unread]:
-    """Those refused that may be found yet, the largest first: both views show them whole, and sharp."""
-    found = [each for each in refused if each.reason in _REASONS and _is_whole(each.left) and _is_whole(each.right)]
-    return sorted(found, key=_area_px2, reverse=True)[:_MOST]
+    """Those refused that may be found yet, sharp and whole: what both views show first, and the largest first."""
+    several = [each for each in refused if each.reason in _REASONS and _is_whole(each.left) and _is_whole(each.right)]
+    alone = [each for each in refused if each.reason in _REASONS_ALONE and _is_whole(each.alone)]
+    return [*sorted(several, key=_area_px2, reverse=True), *sorted(alone, key=_area_px2, reverse=True)][:_MOST]
 
 
 def _is_whole(blob: Blob | None) -> bool:

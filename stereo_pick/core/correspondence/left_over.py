@@ -21,6 +21,11 @@ class Unread(NamedTuple):
     right: Blob | None
 
     @property
+    def alone(self) -> Blob | None:
+        """The outline that one view alone shows; None where both do."""
+        return None if self.left and self.right else self.left or self.right
+
+    @property
     def refusal(self) -> Refusal:
         """It, at the centroids of its outlines."""
         left_px, right_px = (blob.centroid_px if blob else None for blob in (self.left, self.right))

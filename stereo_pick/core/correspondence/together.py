@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_seen_alone
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
@@ -26,24 +26,18 @@ from stereo_pick.core.correspondence.second_thoughts import (
     is_flat_after_all,
     reconsidered,
 )
-from stereo_pick.core.objects import Blob
-from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.kinds import KINDS, Prism
-from stereo_pick.core.shapes.predicted import inside, silhouettes
-from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
 _WELL_SEEN = 1 / 2  # of its silhouette and its creases, with less of which an object is in doubt ...
 _DOUBT = 0.05  # ... by one sigma of this part of its size
 _HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
-_BEYOND = 0.05  # of an outline, sharp and clear of the solid, from which the object is more than that ...
-_CLEAR_PX = 3.0  # ... by so much
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +112,9 @@ def _looked_for_again(
             continue
         (blobs, _), there = another
         found.append(another)
-        if not _goes_on_beyond(blobs, there.fit, images):  # else the rest of it is refused still
+        if not goes_on_beyond(blobs, there.fit, images):  # else the rest of it is refused still
             refused.remove(unread)
+        refused = [each for each in refused if not is_seen_alone(each, there.fit, images)]
     return found, refused
 
 
@@ -127,10 +122,12 @@ def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> R
     """Where the solid is, and how sure that is."""
     (blobs, where), fit = row, found.fit
     doubt = where.doubt + (_as_if_it_stood(found, table, images.rig) if table else 0.0)
-    if _goes_on_beyond(blobs, fit, images):
+    if goes_on_beyond(blobs, fit, images):
         doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
     if _may_be_longer(found, table):
         doubt = doubt + _of_size(fit)
+    if _may_be_a_side(found, table):
+        doubt = doubt + float(fit.size_m.min()) ** 2 / 12 * np.eye(3)  # anywhere within its thickness
     if _may_be_a_streak(found, table):
         doubt = doubt + (float(fit.size_m.max()) / 2) ** 2 * np.eye(3)
     return blobs, by_adjusted(images.rig, where, fit, doubt)
@@ -150,6 +147,11 @@ def _may_be_a_streak(found: Adjusted, table: Table | None) -> bool:
     return table is None and found.shown < WELL_SHOWN and found.fit.flatness < BODY
 
 
+def _may_be_a_side(found: Adjusted, table: Table | None) -> bool:
+    """Whether nothing tells how far away a solid is that lacks its creases, but as much of its silhouette as shows."""
+    return table is None and found.shown < WELL_SHOWN and not found.is_creased
+
+
 def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
     """Covariance (3, 3) [m²] from where it hangs above the table to where another solid that is seen alike would stand.
 
@@ -165,19 +167,6 @@ def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
     ahead = fit.centre_m - rig.eyes_m.mean(axis=0)
     down_m = -ahead * height_m / float(table.normal @ ahead)
     return np.outer(down_m, down_m) / 4 + _of_size(fit)
-
-
-def _goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
-    """Whether the object seems to be more than the solid: an outline has edges clear of its silhouette."""
-    polygons = silhouettes(fit.solid, images.eyes_m)[0]
-    cameras = images.rig.left, images.rig.right
-    return any(_share_beyond(*each) > _BEYOND for each in zip(blobs, cameras, polygons))
-
-
-def _share_beyond(blob: Blob, camera: Camera, polygon: Floats) -> float:
-    """The part of an outline that is sharp and lies clear of a silhouette (K, 2), normalized."""
-    inside_px = inside(normalized(blob.contour_px, camera)[None], polygon[None])[0] * camera.P[0, 0]
-    return float(((inside_px < -_CLEAR_PX) & (blob.sharpness >= SHARP)).mean())
 
 
 def _off_its_outlines(blobs: BlobPair, fit: SolidFit, rig: StereoRig) -> Floats:

@@ -1,0 +1,45 @@
+"""Whether outlines show more than a solid: they have edges clear of its silhouette."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.position import BlobPair
+from stereo_pick.core.objects import Blob
+from stereo_pick.core.objects.blob import SHARP
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.predicted import inside, silhouettes
+from stereo_pick.core.shapes.sight import normalized
+from stereo_pick.core.shapes.solid_fit import SolidFit
+
+_MORE = 0.05  # of an outline, sharp and clear of the solid, from which the object is more than that ...
+_CLEAR_PX = 3.0  # ... by so much
+
+
+def goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
+    """Whether the object of these outlines seems to be more than the solid."""
+    polygons = silhouettes(fit.solid, images.eyes_m)[0]
+    cameras = images.rig.left, images.rig.right
+    return any(_shows_more(*each) for each in zip(blobs, cameras, polygons))
+
+
+def is_seen_alone(unread: Unread, fit: SolidFit, images: Images) -> bool:
+    """Whether what one view alone shows is the solid, and nothing more."""
+    blob = unread.alone
+    if blob is None:
+        return False
+    side = 0 if unread.left else 1
+    camera, polygon = (images.rig.left, images.rig.right)[side], silhouettes(fit.solid, images.eyes_m)[0, side]
+    is_in_it = inside(normalized(blob.centroid_px[None], camera)[None], polygon[None])[0, 0] > 0
+    return bool(is_in_it) and not _shows_more(blob, camera, polygon)
+
+
+def _shows_more(blob: Blob, camera: Camera, polygon: Floats) -> bool:
+    """Whether part of an outline is sharp, as far as that was measured, and lies clear of a silhouette (K, 2),
+    normalized."""
+    inside_px = inside(normalized(blob.contour_px, camera)[None], polygon[None])[0] * camera.P[0, 0]
+    is_sharp = blob.sharpness >= SHARP if len(blob.sharpness) else np.ones(len(inside_px), bool)
+    return float(((inside_px < -_CLEAR_PX) & is_sharp).mean()) > _MORE

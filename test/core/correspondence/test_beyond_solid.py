@@ -1,0 +1,69 @@
+"""What an outline shows beyond a solid."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rendered_solids import PLACED, RIG, rectified
+from rendering import Scene, Sphere
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_seen_alone
+from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.objects import Blob
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.hypotheses import Images
+
+BALL = SolidFit("sphere", np.array([0.05, 0.0, 0.9]), np.eye(3), np.full(3, 0.04), 0.1, np.eye(3) * 1e-8)
+CAMERAS = RIG.left, RIG.right
+OUTLINES = [BALL.silhouette_px(camera) for camera in CAMERAS]
+
+
+@pytest.fixture(scope="module")
+def images() -> Images:
+    return Images(rectified(RIG, Scene((Sphere(0.0, 0.0, (0.04,) * 3),), PLACED)))
+
+
+def blob(side: int, by: float = 1.0, moved_px: float = 0.0, sharp: bool = True) -> Blob:
+    """The ball's outline in a view, larger by so much, and moved."""
+    middle: Floats = OUTLINES[side].mean(axis=0)
+    contour = middle + by * (OUTLINES[side] - middle) + (moved_px, 0.0)
+    return Blob(contour, 100.0, sharpness=np.full(len(contour), 1.0 if sharp else 0.0))
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_an_object_goes_on_where_either_outline_is_sharp_clear_of_the_solid(images: Images, side: int) -> None:
+    own, larger, fading = blob(1 - side), blob(side, by=1.5), blob(side, by=1.5, sharp=False)
+    assert not goes_on_beyond((blob(0), blob(1)), BALL, images)
+    for other, goes_on in ((larger, True), (fading, False)):
+        pair = (other, own) if side == 0 else (own, other)
+        assert goes_on_beyond(pair, BALL, images) is goes_on
+
+
+@pytest.mark.parametrize(
+    ("by", "moved_px", "is_it"),
+    [(1.0, 0.0, True), (0.5, 5.0, True), (1.5, 0.0, False), (1.0, 100.0, False)],
+    ids=["all of it", "a piece", "more", "beside it"],
+)
+@pytest.mark.parametrize("side", [0, 1])
+def test_an_outline_of_one_view_is_the_solids_where_it_is_within_it(
+    images: Images, side: int, by: float, moved_px: float, is_it: bool
+) -> None:
+    one = blob(side, by, moved_px)
+    unread = Unread("merged", one, None) if side == 0 else Unread("merged", None, one)
+    assert is_seen_alone(unread, BALL, images) is is_it
+
+
+@pytest.mark.parametrize(("by", "is_it"), [(1.0, True), (1.5, False)])
+def test_an_outline_of_which_no_edge_was_measured_counts_wherever_it_goes(
+    images: Images, by: float, is_it: bool
+) -> None:
+    """As what is too faint, or cut off by the border; sharpness of no points ended in a traceback."""
+    unread = Unread("faint", replace(blob(0, by), sharpness=np.zeros(0)), None)
+    assert is_seen_alone(unread, BALL, images) is is_it
+
+
+def test_what_both_views_show_is_not_seen_alone(images: Images) -> None:
+    assert not is_seen_alone(Unread("merged", blob(0), blob(1)), BALL, images)
