@@ -6,13 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from families import staged
-from family_scoring import SceneScore, score
+from family_scenes import found
 from mahalanobis import CHI2_3
-from rendering.rigs import BENCH_RIGS
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.pipeline import Pipeline, Steps
 
 SCENES = (*(("mixed_shapes", seed) for seed in range(8)), ("many_small", 0), ("many_small", 1))
 # Shares below the median and the 95 % point of chi-square, three degrees of freedom: 0.5 and 0.95. Were the covariances
@@ -24,12 +21,7 @@ COVERED = 0.84
 @cache
 def squares() -> Floats:
     """Squared Mahalanobis distances of all poses in some scenes."""
-    return np.concatenate([each.mahalanobis2 for each in map(found, SCENES)])
-
-
-def found(scene: tuple[str, int]) -> SceneScore:
-    staging = staged(*scene)
-    return score(*scene, Pipeline(BENCH_RIGS[staging.rig_name], Steps()), *staging.taken())
+    return np.concatenate([found(*scene).mahalanobis2 for scene in SCENES])
 
 
 def fits(d2: Floats) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.overlap import covers
 from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
@@ -33,8 +34,7 @@ def is_seen_alone(unread: Unread, fit: SolidFit, images: Images) -> bool:
         return False
     side = 0 if unread.left else 1
     camera, polygon = (images.rig.left, images.rig.right)[side], silhouettes(fit.solid, images.eyes_m)[0, side]
-    is_in_it = inside(normalized(blob.centroid_px[None], camera)[None], polygon[None])[0, 0] > 0
-    return bool(is_in_it) and not _shows_more(blob, camera, polygon)
+    return covers(fit, blob.centroid_px, camera) and not _shows_more(blob, camera, polygon)
 
 
 def _shows_more(blob: Blob, camera: Camera, polygon: Floats) -> bool:

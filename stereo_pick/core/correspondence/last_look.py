@@ -20,7 +20,7 @@ from stereo_pick.core.correspondence.overlap import clash, is_where, reach_into_
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on, surely_on
 from stereo_pick.core.shapes.consensus import solids_around
@@ -38,8 +38,7 @@ _REASONS_ALONE = ("left_only", "right_only", "merged")  # ... of which one view 
 _MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 8  # solids for each object
-_SHOWN = 3 / 4  # of its silhouette, for what has no creases to be told by ...
-_HALF = 1 / 2  # ... and for what its edges alone put on the table ...
+_HALF = 1 / 2  # of its silhouette, for what its edges alone put on the table ...
 _KNOWN = 0.05  # ... as sure as this part of its size
 
 Seen = tuple[Row, Adjusted]
@@ -116,11 +115,11 @@ class LastLook:
         if there.is_astray or there.shown < least:
             return False
         if not there.is_creased:
-            by_all_of_it = min(WELL_SHOWN, max(_SHOWN, most_shown + CHANCE))
+            by_all_of_it = min(WELL_SHOWN, max(MOST_SHOWN, most_shown + CHANCE))
             return found.is_exact and there.fit.kind == CYLINDER.name and there.shown > by_all_of_it
         seen = there.shown, there.fit.residual_px
         is_exact = found.is_exact or carries(*seen)
-        if is_exact and (there.has_creases or there.shown >= _SHOWN):
+        if is_exact and (there.has_creases or there.shown >= MOST_SHOWN):
             return True
         is_half = there.shown > _HALF if is_ball else carries(*seen, _HALF)
         return is_half and self._stands_by_itself(there.fit)

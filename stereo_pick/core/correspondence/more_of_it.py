@@ -14,19 +14,18 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.left_over import Unread
-from stereo_pick.core.correspondence.position import BlobPair, Row
+from stereo_pick.core.correspondence.position import BlobPair, Row, of_size
 from stereo_pick.core.objects.beside import are_beside
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _TOUCHES_PX = 2.0
-_NO_EDGE = 0.05  # of its size: where two parts were cut apart, and one of them is none, the other may end elsewhere
 _SHADE = "beside_bright"
 
 
 def as_unsure_as_whole(rows: Sequence[Row], unread: Sequence[Unread], rig: StereoRig) -> list[Row]:
-    """The same, each as unsure as its centre would move if what touches it and is refused were a piece of it, and
-    as where it ends on that side."""
+    """The same, each as unsure as its centre would move if what touches it and is refused were a piece of it; and where
+    two parts were cut apart, and one of them is none, the other may end elsewhere."""
     others = [(each.left, each.right) for each in unread if each.left and each.right and each.reason != _SHADE]
     return [_as_unsure(row, others, rig) for row in rows]
 
@@ -40,8 +39,7 @@ def _as_unsure(row: Row, others: Sequence[BlobPair], rig: StereoRig) -> Row:
     if off_px == 0:  # the solid covers all of it
         return row
     off_m = off_px * float(where.fit.centre_m[2]) / rig.focal_px
-    variance_m2 = off_m**2 + (_NO_EDGE * float(where.fit.size_m.mean())) ** 2
-    return blobs, replace(where, covariance=where.covariance + variance_m2 * np.eye(3))
+    return blobs, replace(where, covariance=where.covariance + off_m**2 * np.eye(3) + of_size(where.fit))
 
 
 def _moved_px(fit: SolidFit, pair: BlobPair, rig: StereoRig) -> float:

@@ -50,7 +50,13 @@ def is_where(fit: SolidFit, other: Located, rig: StereoRig) -> bool:
     its centre within the first."""
     if other.fit is not None:
         return clash(fit, other.fit, rig)
-    return _covers(fit, other.left_px, rig.left) and _covers(fit, other.right_px, rig.right)
+    return covers(fit, other.left_px, rig.left) and covers(fit, other.right_px, rig.right)
+
+
+def covers(fit: SolidFit, place_px: Floats, camera: Camera) -> bool:
+    """Whether a place (2,) in a rectified view is within a solid's silhouette."""
+    x, y = place_px.tolist()
+    return cv2.pointPolygonTest(fit.silhouette_px(camera).astype("float32"), (x, y), False) > 0
 
 
 def _compatible(rows: Sequence[Row], clash: Callable[[Located, SolidFit], bool]) -> tuple[list[Row], list[Row]]:
@@ -68,9 +74,4 @@ def _compatible(rows: Sequence[Row], clash: Callable[[Located, SolidFit], bool])
 def _hides(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
     """Whether one solid lies before the centre of the other in both views."""
     nearer = one.centre_m[2] < other.centre_m[2]
-    return bool(nearer) and all(_covers(one, other.centre_px(camera), camera) for camera in (rig.left, rig.right))
-
-
-def _covers(fit: SolidFit, place_px: Floats, camera: Camera) -> bool:
-    x, y = place_px.tolist()
-    return cv2.pointPolygonTest(fit.silhouette_px(camera).astype("float32"), (x, y), False) > 0
+    return bool(nearer) and all(covers(one, other.centre_px(camera), camera) for camera in (rig.left, rig.right))

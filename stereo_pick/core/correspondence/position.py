@@ -22,6 +22,7 @@ _POINT_SIGMA_PX = 0.01  # of the image of a solid's centre, beside where the sol
 _MISSING = np.pi / 6  # see `_missing_sigma_px`
 _UNKNOWN_SHAPE = 0.04  # sigma of the centre of an unknown shape, as a part of its length
 _DISAGREE = 2.5  # sigmas
+_DOUBT = 0.05  # one sigma of what may be larger or smaller, as a part of its size
 
 BlobPair = tuple[Blob, Blob]
 
@@ -104,6 +105,11 @@ def by_solid(rig: StereoRig, fit: SolidFit, shown: float) -> Located:
     spread = _spread(per_px2, fit.covariance)
     missing_px = _missing_sigma_px(fit, shown, rig.focal_px)
     return Located(left_px, right_px, float(np.sqrt(_BY_SOLID_SIGMA_PX**2 + missing_px**2 + spread)), fit)
+
+
+def of_size(fit: SolidFit) -> Floats:
+    """Covariance (3, 3) [m²] of the centre of what may be larger or smaller."""
+    return np.asarray((_DOUBT * float(fit.size_m.mean())) ** 2 * np.eye(3))
 
 
 def by_adjusted(rig: StereoRig, where: Located, fit: SolidFit, doubt: Floats) -> Located:

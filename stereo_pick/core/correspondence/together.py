@@ -17,6 +17,7 @@ from stereo_pick.core.correspondence.position import (
     Row,
     by_adjusted,
     centres_by_outlines_px,
+    of_size,
     with_dark_ends,
 )
 from stereo_pick.core.correspondence.reading import Reading
@@ -35,8 +36,7 @@ from stereo_pick.core.shapes.kinds import KINDS, Prism
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
-_WELL_SEEN = 1 / 2  # of its silhouette and its creases, with less of which an object is in doubt ...
-_DOUBT = 0.05  # ... by one sigma of this part of its size
+_WELL_SEEN = 1 / 2  # of its silhouette and its creases, with less of which an object is in doubt
 _HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
 
 
@@ -125,7 +125,7 @@ def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> R
     if goes_on_beyond(blobs, fit, images):
         doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
     if _may_be_longer(found, table):
-        doubt = doubt + _of_size(fit)
+        doubt = doubt + of_size(fit)
     if _may_be_a_side(found, table):
         doubt = doubt + float(fit.size_m.min()) ** 2 / 12 * np.eye(3)  # anywhere within its thickness
     if _may_be_a_streak(found, table):
@@ -166,7 +166,7 @@ def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
         return np.zeros((3, 3))
     ahead = fit.centre_m - rig.eyes_m.mean(axis=0)
     down_m = -ahead * height_m / float(table.normal @ ahead)
-    return np.outer(down_m, down_m) / 4 + _of_size(fit)
+    return np.outer(down_m, down_m) / 4 + of_size(fit)
 
 
 def _off_its_outlines(blobs: BlobPair, fit: SolidFit, rig: StereoRig) -> Floats:
@@ -175,8 +175,3 @@ def _off_its_outlines(blobs: BlobPair, fit: SolidFit, rig: StereoRig) -> Floats:
     own = fit.centre_px(rig.left), fit.centre_px(rig.right)
     off_px = [np.linalg.norm(seen - px) for seen, px in zip(centres_by_outlines_px(rig, blobs, fit), own)]
     return np.asarray((max(off_px) * per_px) ** 2 * np.eye(3))
-
-
-def _of_size(fit: SolidFit) -> Floats:
-    """Covariance (3, 3) [m²] of the centre of what may be larger or smaller."""
-    return np.asarray((_DOUBT * float(fit.size_m.mean())) ** 2 * np.eye(3))

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _ASTRAY_PX = 0.3  # from its edges
-_MOST_CREASES, MOST_SHOWN = 2 / 3, 3 / 4  # of its creases, of its silhouette
+_MOST_CREASES = 2 / 3  # of its creases
+MOST_SHOWN = 3 / 4  # of its silhouette, for what shows no creases
 
 
 @dataclass(frozen=True, eq=False)

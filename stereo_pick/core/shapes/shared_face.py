@@ -17,6 +17,7 @@ from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.outline import Outline
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.table import EDGE_ON, Table
+from stereo_pick.core.shapes.transferred import transferred
 
 _REACH_PX = 1.5
 _STEP_PX = 1.0  # of disparity, from one height to the next
@@ -67,17 +68,7 @@ def _share(outline: Outline, heights_m: Floats, rig: StereoRig, own: int, other:
 def _moved(outline: Outline, heights_m: Floats, rig: StereoRig, own: int, table: Table) -> tuple[Floats, Floats]:
     """Points and normals (K, N, 2) of one view's outline in the other view, if it lies so high (K,) [m]."""
     along = np.stack([-outline.normals[:, 1], outline.normals[:, 0]], axis=1) / 2
-    before, after = (_transferred(outline.points_px + off, heights_m, rig, own, table) for off in (-along, along))
+    before, after = (transferred(outline.points_px + off, heights_m, rig, own, table) for off in (-along, along))
     ahead = after - before
     normals = np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1) / np.linalg.norm(ahead, axis=-1, keepdims=True)
     return (before + after) / 2, normals
-
-
-def _transferred(points_px: Floats, heights_m: Floats, rig: StereoRig, own: int, table: Table) -> Floats:
-    """Where (K, N, 2) points (N, 2) of one view appear in the other, if they lie so high (K,) [m] above the table."""
-    camera, other = (rig.left, rig.right) if own == 0 else (rig.right, rig.left)
-    rays = np.insert(normalized(points_px, camera), 2, 1.0, axis=1)
-    eye_m = np.array([own * rig.baseline_m, 0.0, 0.0])
-    depth_m = (heights_m[:, None] - table.height_m(eye_m)) / (rays @ table.normal)
-    seen = np.concatenate([eye_m + depth_m[..., None] * rays, np.ones((*depth_m.shape, 1))], axis=2) @ other.P.T
-    return np.asarray(seen[..., :2] / seen[..., 2:])

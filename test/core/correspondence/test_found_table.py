@@ -6,15 +6,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from families import staged
-from family_scoring import score
+from family_scenes import found
 from rendered_solids import PLACED, RIG, rectified, solid_of
 from rendering import Cylinder, Scene
 
 from stereo_pick.core.correspondence import found_table
 from stereo_pick.core.correspondence.found_table import TableSearch
 from stereo_pick.core.correspondence.position import Located, Row
-from stereo_pick.core.pipeline import Pipeline, Steps
+from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.hypotheses import Images
 
@@ -42,6 +41,5 @@ def test_a_rod_does_not_as_it_may_be_light_that_mirrors_in_a_body(
 
 def test_solids_agree_on_it_that_do_not_by_their_outlines_alone() -> None:
     """Without a table a box was 22 mm too short, and sure of it."""
-    scene = staged("elevation_30_to_90", 240)
-    result = score("elevation_30_to_90", 240, Pipeline(scene.rig, Steps()), *scene.taken())
+    result = found("elevation_30_to_90", 240)
     assert len(result.missed) == 0 and max(each.distance_m for each in result.found) < 1e-3

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from families import staged
-from family_scoring import SceneScore, score
+from family_scenes import found
 from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified, solid_of
 from rendering import Scene, Solid
 
@@ -17,7 +16,7 @@ from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_fou
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.overlap import reach_into_each_other
 from stereo_pick.core.correspondence.position import BlobPair, Located
-from stereo_pick.core.pipeline import Pipeline, Steps
+from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
@@ -44,11 +43,6 @@ THE_VIEWS_SHOW_DIFFERENT_PIECES = [
 ]
 ITS_ENDS_ARE_AS_BRIGHT_AS_ITS_SIDE = [("occluded", 255, 0), ("occluded", 279, 0)]
 HALF_OF_IT_SHOWS = [("light_differences", 209, 1), ("glossy", 207, 4), ("glossy", 206, 2)]
-
-
-def found(family: str, seed: int) -> SceneScore:
-    scene = staged(family, seed)
-    return score(family, seed, Pipeline(scene.rig, Steps()), *scene.taken())
 
 
 @pytest.mark.parametrize(

@@ -7,15 +7,21 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from families import staged
-from family_scoring import score
+from family_scenes import found
+from outlines import disc
 from rendering import Box, Carton, Cylinder, Scene, Solid, Sphere, lamp_at, render
 from rendering.rigs import table_before
 from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.other_polarity import joined
+from stereo_pick.core.correspondence.position import Located
+from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.objects import Detector
 from stereo_pick.core.pipeline import Pipeline, Result, Steps
 from stereo_pick.core.refusal import count_reasons
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.table import Table
 
 RIG = RIGS["thesis"]
 PLACED = table_before(RIG, 0.9, elevation_deg=50)
@@ -101,19 +107,26 @@ def test_a_shadow_beside_a_bright_part_is_no_part_of_unknown_shape() -> None:
 @pytest.mark.parametrize("seed", [4, 5])
 def test_dark_parts_that_are_not_found_are_spoken_of_where_others_are(seed: int) -> None:
     """Beside bright parts that were the rule one was lost without a word."""
-    scene = staged("bright_and_dark", seed)
-    result = score("bright_and_dark", seed, Pipeline(scene.rig, Steps()), *scene.taken())
+    result = found("bright_and_dark", seed)
     assert sum(result.refused.values()) >= len(result.missed)
 
 
 def test_a_dark_part_is_found_among_the_shadows_of_bright_ones() -> None:
-    scene = staged("bright_and_dark", 8)
-    result = score("bright_and_dark", 8, Pipeline(scene.rig, Steps()), *scene.taken())
+    result = found("bright_and_dark", 8)
     assert {each.which: each.distance_m for each in result.found}[2] < 5e-4
 
 
 def test_a_dark_solid_that_does_not_stand_on_the_table_of_the_bright_ones_is_not_lost_without_a_word() -> None:
     """By its outlines and a strip of its shadow, a lying cylinder was a box that hung in the air."""
-    scene = staged("bright_and_dark", 205)
-    result = score("bright_and_dark", 205, Pipeline(scene.rig, Steps()), *scene.taken())
+    result = found("bright_and_dark", 205)
     assert len(result.found) >= 5 and sum(result.refused.values()) >= len(result.missed)
+
+
+@pytest.mark.parametrize(("offset_m", "reason"), [(0.9, "off_table"), (None, "flat")])
+def test_what_is_dark_and_no_body_is_refused_by_what_is_known_of_the_table(offset_m: float | None, reason: str) -> None:
+    sheet = SolidFit("box", np.array([0.0, 0.0, 0.8]), np.eye(3), np.array([0.05, 0.04, 0.001]), 0.1, 1e-8 * np.eye(3))
+    row = (disc(300, 200), disc(150, 200)), Located(np.array([300.0, 200]), np.array([150.0, 200]), 0.1, sheet)
+    table = None if offset_m is None else Table(np.array([0.0, 0.0, -1.0]), offset_m, 1e-3)
+    bright = Reading([], [], table)
+    joint = joined(bright, Reading([row], [], table), bright, RIG)
+    assert not joint.kept and not joint.unread and [each.reason for each in joint.for_good] == [reason]

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from families import staged
-from family_scoring import score
+from family_scenes import found
 from rigs import RIGS
 from solid_outlines import Part, contours_px
 
 from stereo_pick.core.correspondence.position import by_solid
 from stereo_pick.core.correspondence.second_thoughts import is_flat_after_all
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.table import Table
 
@@ -43,13 +41,11 @@ def test_a_slab_is_a_top_with_a_strip_of_its_side_unless_a_table_is_below(
 
 def test_a_box_that_lacks_its_creases_is_no_cylinder_that_shows_less_of_itself() -> None:
     """A black tube and the strip of its shadow: the cylinder around both was published, 7 mm off and sure."""
-    scene = staged("tubes", 234)
-    result = score("tubes", 234, Pipeline(scene.rig, Steps()), *scene.taken())
+    result = found("tubes", 234)
     assert result.wrong == 0 and len(result.found) >= 2 and result.refused["other_shape"] >= 1
 
 
 def test_a_box_that_lacks_its_creases_is_the_cylinder_that_shows_its_own() -> None:
     """With its shadow it shows more of a box's silhouette than of its own."""
-    scene = staged("dark_on_light", 9)
-    result = score("dark_on_light", 9, Pipeline(scene.rig, Steps()), *scene.taken())
+    result = found("dark_on_light", 9)
     assert {each.which: each.distance_m for each in result.found}[2] < 1e-3

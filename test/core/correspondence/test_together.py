@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from families import staged
-from family_scoring import SceneScore, score
+from family_scenes import found
+from family_scoring import score
 from rendered_solids import PARTS, PLACED, RIG, rectified
 from rendering import Box, Cylinder, Scene
 
@@ -19,11 +20,6 @@ from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.poses import ObjectPoses
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.table import Table
-
-
-def found(family: str, seed: int) -> SceneScore:
-    scene = staged(family, seed)
-    return score(family, seed, Pipeline(scene.rig, Steps()), *scene.taken())
 
 
 def seen(scene: Scene, method: Feature) -> ObjectPoses:

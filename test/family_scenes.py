@@ -1,0 +1,14 @@
+"""Scenes of the benchmark's families, as the pipeline reads them."""
+
+from __future__ import annotations
+
+from families import staged
+from family_scoring import SceneScore, score
+
+from stereo_pick.core.pipeline import Pipeline, Steps
+
+
+def found(family: str, seed: int) -> SceneScore:
+    """What default parameters make of a scene, against its truth."""
+    scene = staged(family, seed)
+    return score(family, seed, Pipeline(scene.rig, Steps()), *scene.taken())
