@@ -49,8 +49,10 @@ def _without_edges(blob: Blob, contour_px: Floats) -> Blob:
 
 
 def _height_m(blob: Blob, own: int, rig: StereoRig, table: Table) -> float | None:
-    """How high above the table an outline is, half its width [m]; None where it reaches beyond the table's horizon, or is as high as the
-    camera."""
+    """How high above the table an outline is, half its width [m].
+
+    None where it reaches beyond the table's horizon, or is as high as the camera.
+    """
     camera = (rig.left, rig.right)[own]
     sinks = -(np.insert(normalized(blob.contour_px, camera), 2, 1.0, axis=1) @ table.normal)
     if sinks.min() <= 0:
