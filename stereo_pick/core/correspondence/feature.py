@@ -10,6 +10,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.certainty import by_certainty
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
+from stereo_pick.core.correspondence.found_table import FoundTable
 from stereo_pick.core.correspondence.grain import grained_table
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.method import Method
@@ -18,6 +19,7 @@ from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.prints import prints_among
 from stereo_pick.core.correspondence.reading import Reader, Reading
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
+from stereo_pick.core.correspondence.shaded_table import shaded_tables
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.correspondence.together import adjusted_together
 from stereo_pick.core.errors import ArrayError, ParameterError
@@ -71,9 +73,9 @@ class Feature(Method):
     )
     table: str = parameter(
         FOUND,
-        "What the objects stand on: `found` by its own grain, or from the objects that are seen best; `none` where "
-        "they may stand or hang anywhere; or the plane itself, as its normal towards the cameras and its offset, "
-        "`nx ny nz d`: the points p [m] in the rectified left camera frame with n p + d = 0.",
+        "What the objects stand on: `found` by its own grain, from the objects that are seen best, or by the shadows "
+        "on it; `none` where they may stand or hang anywhere; or the plane itself, as its normal towards the cameras "
+        "and its offset, `nx ny nz d`: the points p [m] in the rectified left camera frame with n p + d = 0.",
     )
     max_sigma_of_width: float = parameter(
         0.5,
@@ -116,15 +118,18 @@ class Feature(Method):
         else:
             first, others = reader.look(blobs), reader.look(blobs.others) if blobs.others else None
         also = others.kept if others else []
-        table = known = self._known_table(pair, blobs, [where.fit for _, where in (*first.kept, *also) if where.fit])
-        if table is None and self.table == FOUND:
-            table = reader.table(first, also)
+        known = self._known_table(pair, blobs, [where.fit for _, where in (*first.kept, *also) if where.fit])
+        there = FoundTable(known, True) if known else None
+        if there is None and self.table == FOUND:
+            reach_px = self.disparities_px(pair.rig)
+            there = reader.table(first, also, lambda: shaded_tables(pair, blobs, reach_px))
+        table = there.table if there else None
         found = reader.read(first, table)
         if others is not None:
             besides = reader.read(others, table)
             bright, dark = (found, besides) if blobs.polarity == "bright" else (besides, found)
             found = joined(bright, dark, found, pair.rig)
-        return self._collected(reader.images, found, known is not None)
+        return self._collected(reader.images, found, there is not None and there.is_seen)
 
     def _collected(self, images: Images, found: Reading, is_known: bool) -> Correspondences:
         rig = images.rig

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.on_table import OnTable, is_sure
@@ -19,52 +20,64 @@ from stereo_pick.core.shapes.table import Table
 _TRIED_TABLES, _TRIED_PAIRS = 4, 3
 _LEAST = 2  # objects that must stand on a table before they say more about it
 
+Shaded = Callable[[], Sequence[Table]]
+"""What may be the table by what falls on it."""
+
+
+class FoundTable(NamedTuple):
+    """table; is_seen: whether it is known without the objects that stand on it."""
+
+    table: Table
+    is_seen: bool
+
 
 @dataclass(frozen=True, eq=False)
 class TableSearch:
     """images: the views; pairs: what in them may be the lit parts of the same objects, not found without a table;
-    faces: thin solids that may be the lit tops of objects; flat_parts: whether parts may be as thin as a print."""
+    faces: thin solids that may be the lit tops of objects; flat_parts: whether parts may be as thin as a print;
+    shaded: what may be the table, of those that stand on it the likeliest first."""
 
     images: Images
     pairs: Sequence[BlobPair]
     faces: Sequence[tuple[BlobPair, SolidFit]]
     flat_parts: bool
+    shaded: Shaded
 
-    def table(self, kept: Sequence[Row]) -> Table | None:
+    def table(self, kept: Sequence[Row]) -> FoundTable | None:
         """The table that the objects found agree on, with what the edges alone say of the others if need be; or one
-        that lit faces or one of the objects let suppose, and on which another object is found, too; or one
-        that they agree on once all their own edges have put them where they are.
-
-        Where something is left to find on it, it is adjusted together with the objects that stand on it, and again with
-        those that are clearly what they seem, if others are not.
-        """
+        that lit faces let suppose; or one that they agree on once all their own edges have put them where they are; or
+        one that shadows, or one of the objects, let suppose, and on which another object is found, too."""
         fits = [where.fit for _, where in kept if where.fit is not None]
-        table = self._agreed(fits, [*(blobs for blobs, where in kept if where.fit is None), *self.pairs])
-        if table is None or not self._leaves_open(kept, table):
-            return table
+        table = common_table(fits, self._level)
+        if table is None:
+            fits = fits + self._bodies()
+            table = (
+                common_table(fits, self._level)
+                or self._below_faces(fits)
+                or common_table(self._clear(fits), self._level)
+            )
+        if table is None:
+            shaded = self._stood_on(kept, fits)
+            if shaded is not None:
+                return FoundTable(shaded, True)
+            table = self._verified(kept, fits)
+        return FoundTable(self._bettered(kept, table), False) if table else None
+
+    def _bettered(self, kept: Sequence[Row], table: Table) -> Table:
+        """The same, adjusted together with the objects that stand on it, where something is left to find there; and
+        again with those that are clearly what they seem, if others are not."""
+        fits = [where.fit for _, where in kept if where.fit is not None]
         standing = [fit for fit in fits if stands_on(table, fit)]
-        if len(standing) < _LEAST:
+        if len(standing) < _LEAST or not self._leaves_open(kept, table):
             return table
         found, better = adjusted(standing, self.images.maps, self.images.rig, table, known=True)
         clear = [each.fit for each in found if each.is_clear]
-        if not _LEAST <= len(clear) < len(standing):
-            return better
-        return adjusted(clear, self.images.maps, self.images.rig, better, known=True)[1]
+        if better is None or not _LEAST <= len(clear) < len(standing):
+            return better or table
+        return adjusted(clear, self.images.maps, self.images.rig, better, known=True)[1] or better
 
     def _leaves_open(self, kept: Sequence[Row], table: Table) -> bool:
         return len(self.pairs) > 0 or not all(is_sure(where, table) for _, where in kept)
-
-    def _agreed(self, fits: list[SolidFit], unknown: Sequence[BlobPair]) -> Table | None:
-        agreed = common_table(fits, self._level)
-        if agreed is not None:
-            return agreed
-        fits = fits + self._bodies()
-        return (
-            common_table(fits, self._level)
-            or self._below_faces(fits)
-            or self._verified(fits, unknown)
-            or common_table(self._clear(fits), self._level)
-        )
 
     def _clear(self, fits: Sequence[SolidFit]) -> list[SolidFit]:
         """Those of the solids that are clearly what they seem, where all their edges put them: an outline alone says
@@ -100,10 +113,22 @@ class TableSearch:
                 return common_table(standing, self._level) or table
         return None
 
+    def _stood_on(self, kept: Sequence[Row], fits: Sequence[SolidFit]) -> Table | None:
+        """The table that shadows show, if most objects stand on it; some of them may not be what they seem without."""
+        for table in self.shaded():
+            others = [blobs for blobs, where in kept if where.fit is None or not stands_on(table, where.fit)]
+            found = [each.fit for each in self._on(table).solids([*others, *self.pairs][:_TRIED_PAIRS]) if each]
+            several = _each_once(found, fits)
+            standing = [fit for fit in several if stands_on(table, fit)]
+            if 2 * len(standing) > len(several):
+                return table
+        return None
+
     def _on(self, table: Table) -> OnTable:
         return OnTable(self.images, table, self.flat_parts)
 
-    def _verified(self, fits: Sequence[SolidFit], unknown: Sequence[BlobPair]) -> Table | None:
+    def _verified(self, kept: Sequence[Row], fits: Sequence[SolidFit]) -> Table | None:
+        unknown = [*(blobs for blobs, where in kept if where.fit is None), *self.pairs]
         for table in supposed_tables(fits)[:_TRIED_TABLES]:
             others = [found.fit for found in self._on(table).solids(unknown[:_TRIED_PAIRS]) if found]
             agreed = common_table(_each_once(others, fits), self._level) if others else None

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
 from stereo_pick.core.correspondence.apart import Matching, taken_apart
 from stereo_pick.core.correspondence.assignment import assign
-from stereo_pick.core.correspondence.found_table import TableSearch
+from stereo_pick.core.correspondence.found_table import FoundTable, Shaded, TableSearch
 from stereo_pick.core.correspondence.left_over import Unread, left_over
 from stereo_pick.core.correspondence.located import locate
 from stereo_pick.core.correspondence.on_table import OnTable
@@ -85,13 +85,15 @@ class Reader:
         kept, twice = one_in_each_place(kept + found)
         return FirstLook(blobs, kept, lost + lost_parts + twice, doubtful)
 
-    def table(self, first: FirstLook, others: Sequence[Row]) -> Table | None:
+    def table(self, first: FirstLook, others: Sequence[Row], shaded: Shaded) -> FoundTable | None:
         """The table that the objects stand on, others with them."""
         if not _have_edges(first.blobs):
             return None
         flat = [(blobs, where.fit) for blobs, where in first.lost if where.fit is not None and where.reason == "flat"]
         faces = [(blobs, fit) for blobs, fit in flat if max(blob.fading for blob in blobs) < _FADES]
-        return TableSearch(self.images, self._lit_parts(first), faces, self.flat_parts).table([*first.kept, *others])
+        return TableSearch(self.images, self._lit_parts(first), faces, self.flat_parts, shaded).table(
+            [*first.kept, *others]
+        )
 
     def read(self, first: FirstLook, table: Table | None) -> Reading:
         """What is found with the table, and what is refused."""

@@ -37,7 +37,6 @@ _HARDLY = 3e-5  # ... and less than which is nothing
 _DOUBTED = 10.0  # sigmas from which on it is doubted that a solid touches the table as it should
 _UNKNOWN = 1000.0  # sigma
 _TURN_RAD = 0.0003  # sigma of the right camera's turns that the ends of outlines do not tell
-_KNOWN_TILT_RAD = np.deg2rad(0.5)  # sigma of a table that is known
 _FOOT_M = 0.00008  # sigma of the middle of what stands in its own shadow: that hides where it ends
 _BESIDE_M = 0.1  # from the middle of the solids, where others may stand
 
@@ -141,7 +140,7 @@ def _plane(table: Table, fits: Sequence[SolidFit]) -> _Plane:
 
 def _prior(table: Table | None) -> Floats:
     """What is known (5, 5) of the tilts and the height of a table, if it is known, and of the camera's turns."""
-    sigma = [_KNOWN_TILT_RAD, _KNOWN_TILT_RAD, table.sigma_m] if table else [_UNKNOWN] * 3
+    sigma = [table.tilt_rad, table.tilt_rad, table.sigma_m] if table else [_UNKNOWN] * 3
     return np.diag(np.array([*sigma, _TURN_RAD, _TURN_RAD]) ** -2.0)
 
 

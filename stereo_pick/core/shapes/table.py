@@ -13,6 +13,7 @@ from stereo_pick.core.shapes.solids import Solids
 
 FOUND, NONE = "found", "none"
 _GIVEN_SIGMA_M = 0.001
+_TILT_RAD = float(np.deg2rad(0.5))
 _UNIT = 1e-2
 EDGE_ON = 0.1  # sine of the angle at which a table is hardly seen
 
@@ -21,12 +22,13 @@ EDGE_ON = 0.1  # sine of the angle at which a table is hardly seen
 class Table:
     """The points p [m] of the rectified left frame with normal @ p + offset_m = 0.
 
-    normal: (3,), unit, towards the cameras; sigma_m: of its height where objects stand.
+    normal: (3,), unit, towards the cameras; sigma_m: of its height where objects stand; tilt_rad: sigma of its tilts.
     """
 
     normal: Floats
     offset_m: float
     sigma_m: float
+    tilt_rad: float = _TILT_RAD
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "normal", floats("normal", self.normal, 3))

@@ -35,8 +35,13 @@ def test_a_rod_does_not_as_it_may_be_light_that_mirrors_in_a_body(
     fit = SolidFit("cylinder", solid.centre_m[0], solid.rotation[0], solid.size_m()[0], 0.05, 1e-8 * np.eye(3))
     blobs, _ = Steps().correspond(pair)
     row: Row = (blobs.left[0], blobs.right[0]), Located(np.zeros(2), np.zeros(2), 0.1, fit)
-    TableSearch(Images(pair), [], [], flat_parts=False).table([row])
+    TableSearch(Images(pair), [], [], flat_parts=False, shaded=list).table([row])
     assert (fit in told) is tells
+
+
+@pytest.mark.parametrize(("family", "seed", "which"), [("tubes", 7, 1), ("planks_and_prints", 4, 1), ("tubes", 201, 1)])
+def test_shadows_and_grain_show_it_where_the_objects_do_not_agree(family: str, seed: int, which: int) -> None:
+    assert {each.which: each.distance_m for each in found(family, seed).found}[which] < 5e-4
 
 
 def test_solids_agree_on_it_that_do_not_by_their_outlines_alone() -> None:
