@@ -16,7 +16,7 @@ from stereo_pick.core.correspondence.carried import as_predicted, carried
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.located import convex_outlines, is_flat
-from stereo_pick.core.correspondence.overlap import clash, is_where, reach_into_each_other
+from stereo_pick.core.correspondence.overlap import clash, goes_on_as, is_where, reach_into_each_other
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.objects import Blob
@@ -118,10 +118,11 @@ class LastLook:
             by_all_of_it = min(WELL_SHOWN, max(MOST_SHOWN, most_shown + CHANCE))
             return found.is_exact and there.fit.kind == CYLINDER.name and there.shown > by_all_of_it
         seen = there.shown, there.fit.residual_px
-        is_exact = found.is_exact or carries(*seen)
+        noise_px = self.images.noise_px
+        is_exact = found.is_exact or carries(*seen, noise_px=noise_px)
         if is_exact and (there.has_creases or there.shown >= MOST_SHOWN):
             return True
-        is_half = there.shown > _HALF if is_ball else carries(*seen, _HALF)
+        is_half = there.shown > _HALF if is_ball else carries(*seen, _HALF, noise_px)
         return is_half and self._stands_by_itself(there.fit)
 
     def _stands_by_itself(self, fit: SolidFit) -> bool:
@@ -143,7 +144,7 @@ class LastLook:
 
     def _clashes(self, fit: SolidFit, others: Sequence[SolidFit]) -> bool:
         rig = self.images.rig
-        if any(clash(fit, each, rig) or reach_into_each_other(fit, each) for each in others):
+        if any(clash(fit, each, rig) or reach_into_each_other(fit, each) or goes_on_as(fit, each) for each in others):
             return True
         return any(is_where(fit, each, rig) for each in self.besides)
 

@@ -13,8 +13,11 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.position import Located, Row
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.common_normal import ANGLE
+from stereo_pick.core.shapes.kinds import CYLINDER
 
 _WELL_WITHIN = 0.7  # of the half sizes: no further than a cylinder's side at 45 degrees
+_AS_ONE = 0.1  # of a cylinder's thickness, by which its two pieces may be off each other
 _INNER = _WELL_WITHIN * np.stack(np.meshgrid(*[(-1.0, 0.0, 1.0)] * 3), axis=-1).reshape(-1, 3)
 
 
@@ -43,6 +46,20 @@ def _reaches_into(one: SolidFit, other: SolidFit) -> bool:
     points_m = one.centre_m + _INNER * one.size_m / 2 @ one.rotation.T
     own = (points_m - other.centre_m) @ other.rotation
     return bool((np.abs(own) < _WELL_WITHIN * other.size_m / 2).all(axis=1).any())
+
+
+def goes_on_as(one: SolidFit, other: SolidFit) -> bool:
+    """Whether a cylinder begins on the axis of an equally thick one, where that ends: they are hardly two, but one that
+    was found too short, and its rest."""
+    if one.kind != CYLINDER.name or other.kind != CYLINDER.name:
+        return False
+    thick_m, axis, apart_m = float(other.size_m[0]), other.rotation[:, 2], one.centre_m - other.centre_m
+    along_m = abs(float(axis @ apart_m))
+    beside_m = float(np.linalg.norm(np.cross(axis, apart_m)))
+    gap_m = along_m - float(one.size_m[2] + other.size_m[2]) / 2
+    is_turned_alike = float(np.linalg.norm(np.cross(axis, one.rotation[:, 2]))) < ANGLE
+    off_m = max(beside_m, abs(float(one.size_m[0]) - thick_m), abs(gap_m))
+    return is_turned_alike and off_m < _AS_ONE * thick_m
 
 
 def is_where(fit: SolidFit, other: Located, rig: StereoRig) -> bool:

@@ -101,7 +101,7 @@ def _looked_for_again(
         return list(seen), list(open_)
     found = [(row, each) for row, each in seen if each.creased >= CREASED]
     before = [each.fit for _, each in found if each.is_clear]
-    look = LastLook(images.behind(before), table, before, [where for _, where in besides])
+    look = LastLook(images.as_rough_as(before).behind(before), table, before, [where for _, where in besides])
     for row, as_it_was in [one for one in seen if one not in found]:
         others = [each.fit for one, each in [*seen, *found] if one is not row]
         found.append(look.at(row[0], others, as_it_was.shown) or (row, as_it_was))

@@ -33,6 +33,7 @@ CHANCE = 1 / 12  # by which the support of two solids that share most of their s
 BODY = 0.3  # thickness by length of what is no lit face
 _RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
 _UNKNOWN_M2 = np.eye(3)  # covariance of the centre where nothing holds it
+_ROUGHEST = 2.0  # of NOISE_PX: farther off lies what is not what it seems
 _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
 
 
@@ -41,13 +42,15 @@ class Supported:
     """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges as
     far as it is not hidden; off_px:
     how far these lie off, as a median, by more than noise moves such weak edges; doubt: covariance (3, 3) [m²] of its
-    centre as it may be another solid, which no better fit of this one makes less."""
+    centre as it may be another solid, which no better fit of this one makes less; noise_px: by which edges lie off
+    what is there."""
 
     fit: SolidFit
     support: float
     off_px: float
     believable: bool
     doubt: Floats = field(default_factory=lambda: np.zeros((3, 3)))
+    noise_px: float = NOISE_PX
 
     @property
     def score(self) -> float:
@@ -57,12 +60,12 @@ class Supported:
     @property
     def is_exact(self) -> bool:
         """Whether it is believable without noise as an excuse for how far its edges lie off."""
-        return self.believable and carries(self.support, self.fit.residual_px)
+        return self.believable and carries(self.support, self.fit.residual_px, noise_px=self.noise_px)
 
     @property
     def raises_doubt(self) -> bool:
         """Whether there is so much to it that a shorter solid is doubtful."""
-        return self.believable or (self.support > _CONTRADICTED and _is_tight(self.off_px))
+        return self.believable or (self.support > _CONTRADICTED and _is_tight(self.off_px, self.noise_px))
 
 
 class Images:
@@ -76,6 +79,7 @@ class Images:
         self._longer: dict[tuple[Solids, Table | None], Supported | None] = {}
         self._locked: dict[tuple[Solids, Table | None], Supported] = {}
         self.occluders: Occluders | None = None
+        self.noise_px = NOISE_PX
 
     def behind(self, fits: Sequence[SolidFit]) -> Images:
         """The same views, where these solids, and no others, are known to be: what they hide of others speaks neither
@@ -86,6 +90,17 @@ class Images:
         found.maps = self.maps  # made once for both
         found._longer, found._locked = {}, {}
         found.occluders = Occluders.of(fits, self.rig)
+        return found
+
+    def as_rough_as(self, fits: Sequence[SolidFit]) -> Images:
+        """The same views, where edges lie as far off what is there as off most of these solids: parts have rounded
+        edges, and show them the more the nearer they are."""
+        if not fits:
+            return self
+        found = copy(self)
+        found.maps = self.maps
+        found._longer, found._locked = {}, {}
+        found.noise_px = min(_ROUGHEST * NOISE_PX, max(NOISE_PX, float(np.median([fit.residual_px for fit in fits]))))
         return found
 
     @cached_property
@@ -144,7 +159,7 @@ class Images:
         for several in alike.values():
             locked = lock(Solids.joined(several), self.maps, self.rig, table, self.occluders)
             for i, solid in enumerate(several):
-                self._locked[solid, table] = _supported(locked, i, table)
+                self._locked[solid, table] = _supported(locked, i, table, self.noise_px)
 
     def best(self, readings: Sequence[Pair]) -> Supported | None:
         """The solid with the most support among those that come near an object's outlines, and longer ones.
@@ -206,27 +221,28 @@ class Images:
         return False
 
 
-def _supported(locked: Locked, row: int, table: Table | None) -> Supported:
+def _supported(locked: Locked, row: int, table: Table | None, noise_px: float) -> Supported:
     fit = locked.fit.only(np.array([row]))
     held = fit.weight[0] > 0
     residual = np.abs(fit.residual_px[0, held])
-    noisier = np.hypot(1.0, locked.sigma_px[row, held] / NOISE_PX)
+    noisier = np.hypot(1.0, locked.sigma_px[row, held] / noise_px)
     median_px, off_px = (float(np.median(each)) if held.any() else np.inf for each in (residual, residual / noisier))
     support = float(locked.shown[row].min())
     known = np.isfinite(median_px)
-    covariance = centre_covariance(fit, max(NOISE_PX, 1.5 * median_px), table)[0] if known else _UNKNOWN_M2
+    covariance = centre_covariance(fit, max(noise_px, 1.5 * median_px), table)[0] if known else _UNKNOWN_M2
     solids = fit.solids
     result = SolidFit(
         solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance
     )
     fixed = bool(determined(fit, covariance[None])[0])
-    return Supported(result, support, off_px, fixed and carries(support, off_px))
+    is_believable = fixed and carries(support, off_px, noise_px=noise_px)
+    return Supported(result, support, off_px, is_believable, noise_px=noise_px)
 
 
-def carries(support: float, off_px: float, least: float = _SUPPORTED) -> bool:
+def carries(support: float, off_px: float, least: float = _SUPPORTED, noise_px: float = NOISE_PX) -> bool:
     """Whether edges so far off a solid, with so much of its silhouette on them, make it believable."""
-    return _is_tight(off_px) and support > least + _PER_PX * max(0.0, off_px - NOISE_PX)
+    return _is_tight(off_px, noise_px) and support > least + _PER_PX * max(0.0, off_px - noise_px)
 
 
-def _is_tight(off_px: float) -> bool:
-    return off_px < _RESIDUAL * NOISE_PX
+def _is_tight(off_px: float, noise_px: float) -> bool:
+    return off_px < _RESIDUAL * noise_px

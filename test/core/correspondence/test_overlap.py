@@ -6,7 +6,7 @@ import numpy as np
 from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_each_place
+from stereo_pick.core.correspondence.overlap import goes_on_as, none_behind_another, one_in_each_place
 from stereo_pick.core.correspondence.position import Located, Row
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes import SolidFit
@@ -55,3 +55,19 @@ def test_a_piece_of_a_solid_is_none_of_its_own() -> None:
     )
     stays, goes = none_behind_another([piece, half_seen, whole], RIG)
     assert stays == [whole, half_seen] and [where.reason for _, where in goes] == ["merged"]
+
+
+def rod(along_m: float, length_m: float, beside_m: float = 0.0, thick_m: float = 0.04) -> SolidFit:
+    """A cylinder along z."""
+    centre_m = np.array([beside_m, 0.0, 0.9 + along_m])
+    return SolidFit("cylinder", centre_m, np.eye(3), np.array([thick_m, thick_m, length_m]), 0.1, np.eye(3) * 1e-8)
+
+
+def test_the_end_of_a_cylinder_is_no_other_one() -> None:
+    """80 mm were found of one of 90 mm."""
+    found, end = rod(0.0, 0.08), rod(0.045, 0.01)
+    assert goes_on_as(end, found) and goes_on_as(found, end)
+    assert not goes_on_as(rod(0.045, 0.01, beside_m=0.005), found)
+    assert not goes_on_as(rod(0.045, 0.01, thick_m=0.03), found)
+    assert not goes_on_as(rod(0.055, 0.01), found)
+    assert not goes_on_as(box(0.0, np.full(3, 0.04)), box(0.04, np.full(3, 0.04)))

@@ -12,9 +12,10 @@ from rendering.rigs import table_before
 from rigs import RIGS
 from solid_outlines import contour_px
 
-from stereo_pick.core.shapes import Outline
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.shapes import Outline, SolidFit
 from stereo_pick.core.shapes.fitting import Pair
-from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.hypotheses import Images, carries
 
 RIG = RIGS["thesis"]
 TABLE = table_before(RIG, 0.9, elevation_deg=50)
@@ -77,3 +78,17 @@ def test_what_another_kind_explains_has_no_six_sides(part: Solid) -> None:
     images, outlines = broken_outlines(part, 0.2)
     best = images.best([outlines])
     assert best is not None and best.fit.kind != "hexprism"
+
+
+@pytest.mark.parametrize(("off_px", "noise_px"), [(0.05, 0.1), (0.15, 0.15), (0.3, 0.2)])
+def test_edges_are_as_far_off_as_off_most_solids(off_px: float, noise_px: float) -> None:
+    """Of three, one is nothing that it seems; no less than noise is expected, and no more than twice that forgiven."""
+    images = Images(RectifiedPair(np.zeros((480, 640), np.uint8), np.zeros((480, 640), np.uint8), RIG))
+    fits = [SolidFit("sphere", np.zeros(3), np.eye(3), np.ones(3), each, np.eye(3)) for each in (off_px, off_px, 9.0)]
+    assert images.as_rough_as(fits).noise_px == pytest.approx(noise_px)
+    assert images.as_rough_as([]) is images
+
+
+def test_what_lies_off_its_edges_by_what_is_usual_needs_no_more_of_them() -> None:
+    assert carries(0.7, 0.1) and not carries(0.7, 0.15)
+    assert carries(0.7, 0.15, noise_px=0.15) and not carries(0.7, 0.31, noise_px=0.15)
