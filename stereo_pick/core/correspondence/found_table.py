@@ -15,6 +15,7 @@ from stereo_pick.core.shapes.below_faces import tables_below
 from stereo_pick.core.shapes.common_table import common_table, stands_on, supposed_tables
 from stereo_pick.core.shapes.fitting import can_be_fitted
 from stereo_pick.core.shapes.hypotheses import BODY, Images
+from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.table import Table
 
 _TRIED_TABLES, _TRIED_PAIRS = 4, 3
@@ -114,8 +115,12 @@ class TableSearch:
         return None
 
     def _stood_on(self, kept: Sequence[Row], fits: Sequence[SolidFit]) -> Table | None:
-        """The table that shadows show, if most objects stand on it; some of them may not be what they seem without."""
-        for table in self.shaded():
+        """The table that shadows show, if most objects stand on it, some of which may not be what they seem without it;
+        one that was found without it among them, and no ball: these stand on any plane."""
+        turned = [fit for fit in fits if fit.kind != SPHERE.name]
+        for table in self.shaded() if turned else ():
+            if not any(stands_on(table, fit) for fit in turned):
+                continue
             others = [blobs for blobs, where in kept if where.fit is None or not stands_on(table, where.fit)]
             found = [each.fit for each in self._on(table).solids([*others, *self.pairs][:_TRIED_PAIRS]) if each]
             several = _each_once(found, fits)

@@ -48,9 +48,11 @@ _MIRRORED_PX = 0.3  # what light and mirrors do to marks is no noise
 def shaded_tables(pair: RectifiedPair, blobs: Blobs, disparities_px: tuple[float, float]) -> list[Table]:
     """The planes (rectified left frame) that the table may be, the likeliest first.
 
-    blobs: the objects; if they are the bright ones, windows on them are left out: the dark ones may be shadows.
-    disparities_px: the least and the greatest of the view.
+    blobs: the objects; none is found where they are the dark ones: what passes for one may be a part and its shadow
+    together, which stands on the table as well. disparities_px: the least and the greatest of the view.
     """
+    if blobs.polarity != "bright":
+        return []
     scale = reduction(pair.left)
     left, right = uneven(pair.left, pair.rig.left, scale), uneven(pair.right, pair.rig.right, scale)
     windows = _seen(pair, (left, right), blobs, scale, (scale * disparities_px[0], scale * disparities_px[1]))
@@ -71,11 +73,8 @@ def _seen(
     around = np.ones((_HIGH_PX + 2, _WIDE_PX + 2), np.uint8)
     usable = predicted_sigma_px(left, noise, _AS_SQUARE_PX, "zncc") < _PLACED_PX
     usable &= cv2.erode(valid(pair.rig.left, left).astype(np.uint8), around) > 0
-    if blobs.polarity == "bright":
-        usable &= clear_of_objects(left, blobs.left, scale, _WIDE_PX, _HIGH_PX)
+    usable &= clear_of_objects(left, blobs.left, scale, _WIDE_PX, _HIGH_PX)
     windows = matches(left, right, on_grid(usable, *_GRID), (_WIDE_PX, _HIGH_PX), reach_px)
-    if blobs.polarity != "bright":
-        return windows
     clear = clear_of_objects(right, blobs.right, scale, _WIDE_PX, _HIGH_PX)
     columns = np.round(windows.centre_px[:, 0] - windows.disparity_px).astype(int)
     return windows.those(clear[windows.centre_px[:, 1].astype(int), np.clip(columns, 0, clear.shape[1] - 1)])
