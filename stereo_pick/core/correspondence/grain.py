@@ -6,8 +6,6 @@ plane, that is the table.
 
 from __future__ import annotations
 
-import numpy as np
-
 from stereo_pick.core.arrays import Bools, Floats, Ints
 from stereo_pick.core.correspondence.plane_alignment import aligned
 from stereo_pick.core.correspondence.table_windows import (
@@ -21,6 +19,7 @@ from stereo_pick.core.correspondence.table_windows import (
 )
 from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_px
 from stereo_pick.core.correspondence.window import Grey
+from stereo_pick.core.correspondence.window_planes import agree_on, planes_through, refitted
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blobs
 from stereo_pick.core.shapes.table import Table
@@ -30,7 +29,6 @@ _SIZE_PX = _WIDE_PX, _HIGH_PX
 _AS_SQUARE_PX = 19
 _PLACED_PX = 0.3  # sigma that a window's own grain promises
 _TRIPLES = 300
-_TOLERANCE_PX = 0.5  # of the reduced view, from the plane
 _MOST = 0.8  # of the windows found, that must agree
 _COVERED = 0.25  # of all windows of the view, that must
 _ASKED_FIRST, _WORTH_IT = 24, 0.5  # windows, and how many of them must be found, before all are looked for
@@ -59,7 +57,10 @@ def grained_table(pair: RectifiedPair, blobs: Blobs, disparities_px: tuple[float
     windows = matches(left, right, places, _SIZE_PX, reach)
     if len(windows.disparity_px) < least:
         return None
-    plane, agree = _common_plane(windows)
+    common = _common_plane(windows)
+    if common is None:
+        return None
+    plane, agree = common
     if agree.sum() < max(_MOST * len(agree), least):
         return None
     left, right = uneven(pair.left, pair.rig.left, scale), uneven(pair.right, pair.rig.right, scale)
@@ -73,18 +74,9 @@ def _grained(left: Grey, clear: Bools) -> Ints:
     return on_grid(usable, _WIDE_PX, _HIGH_PX, _STRIDE_PX)
 
 
-def _common_plane(windows: Windows) -> tuple[Floats, Bools]:
-    """The plane (3,), disparity by column, row and 1, that most windows agree on, and which (N,) these are."""
-    rows = windows.rows
-    chosen = np.random.default_rng(0).integers(len(rows), size=(_TRIPLES, 3))
-    corners = rows[chosen]
-    spread = np.abs(np.linalg.det(corners)) > _WIDE_PX**2
-    if not spread.any():
-        return np.zeros(3), np.zeros(len(rows), np.bool_)
-    planes = np.linalg.solve(corners[spread], windows.disparity_px[chosen[spread]][..., None])[..., 0]
-    votes = (np.abs(planes @ rows.T - windows.disparity_px) < _TOLERANCE_PX).sum(axis=1)
-    plane = planes[votes.argmax()]
-    for _ in range(2):
-        agree = np.abs(rows @ plane - windows.disparity_px) < _TOLERANCE_PX
-        plane = np.linalg.lstsq(rows[agree], windows.disparity_px[agree], rcond=None)[0]
-    return plane, agree
+def _common_plane(windows: Windows) -> tuple[Floats, Bools] | None:
+    """The plane (3,) that most windows agree on, and which (N,) these are; None where all are in one line."""
+    planes = planes_through(windows, _TRIPLES, _WIDE_PX)
+    if not len(planes):
+        return None
+    return refitted(planes[agree_on(planes, windows).sum(axis=1).argmax()], windows)

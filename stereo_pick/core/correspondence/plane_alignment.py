@@ -14,9 +14,10 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.table_windows import Windows, as_table
+from stereo_pick.core.correspondence.table_windows import Windows
 from stereo_pick.core.correspondence.texture import noise_dn
 from stereo_pick.core.correspondence.window import Grey
+from stereo_pick.core.correspondence.window_planes import as_table
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.table import Table
 

@@ -16,7 +16,6 @@ from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.correspondence.plane_alignment import aligned
 from stereo_pick.core.correspondence.table_windows import (
     Windows,
-    as_table,
     clear_of_objects,
     matches,
     on_grid,
@@ -27,6 +26,7 @@ from stereo_pick.core.correspondence.table_windows import (
 )
 from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_px
 from stereo_pick.core.correspondence.window import Grey
+from stereo_pick.core.correspondence.window_planes import agree_on, as_table, lie_below, planes_through, refitted
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blobs
 from stereo_pick.core.rig import StereoRig
@@ -38,7 +38,6 @@ _AS_SQUARE_PX = 13
 _PLACED_PX = 0.15  # sigma that the edges in a window promise
 _TRIPLES = 2000
 _APART_PX = 20
-_TOLERANCE_PX = 0.5
 _LEAST = 12  # windows
 _TRIED = 2
 _STEEP = np.sin(np.deg2rad(25))  # of the least angle at which a table is looked at
@@ -84,37 +83,24 @@ def _planes(windows: Windows, rig: StereoRig, scale: float) -> Iterator[tuple[Fl
     """The planes (3,) that windows agree on, and which (N,) these are; by sample consensus (Fischler and Bolles 1981),
     what lies below a plane counted against it."""
     planes = _guesses(windows, rig, scale)
-    off_px = windows.disparity_px - planes @ windows.rows.T
-    below = (off_px < -2 * _TOLERANCE_PX).sum(axis=1)
+    agree, below = agree_on(planes, windows), lie_below(planes, windows).sum(axis=1)
     taken = np.zeros(len(windows.disparity_px), np.bool_)
     for _ in range(_TRIED if len(planes) else 0):
-        votes = ((np.abs(off_px) < _TOLERANCE_PX) & ~taken).sum(axis=1) - below
-        plane, agree = _bettered(planes[votes.argmax()], windows)
-        if (agree & ~taken).sum() < _LEAST:
+        votes = (agree & ~taken).sum(axis=1) - below
+        plane, on_it = refitted(planes[votes.argmax()], windows)
+        if (on_it & ~taken).sum() < _LEAST:
             return
-        taken |= agree
-        yield plane, agree
+        taken |= on_it
+        yield plane, on_it
 
 
 def _guesses(windows: Windows, rig: StereoRig, scale: float) -> Floats:
     """The planes (P, 3) through three windows each that may be seen from above."""
-    rows = windows.rows
-    if len(rows) < _LEAST:
+    if len(windows.disparity_px) < _LEAST:
         return np.zeros((0, 3))
-    chosen = np.random.default_rng(0).integers(len(rows), size=(_TRIPLES, 3))  # the same for the same images
-    spread = np.abs(np.linalg.det(rows[chosen])) > _APART_PX**2
-    chosen = chosen[spread]
-    planes = np.linalg.solve(rows[chosen], windows.disparity_px[chosen][..., None])[..., 0]
+    planes = planes_through(windows, _TRIPLES, _APART_PX)
     middle_px = windows.centre_px.mean(axis=0)
     ray = np.append(normalized(middle_px / scale, rig.left), 1.0)
     tables = [as_table(plane, rig, scale, middle_px, 1.0) for plane in planes]
     least = _STEEP * np.linalg.norm(ray)
-    return np.asarray(planes[[table is not None and -table.normal @ ray > least for table in tables]])
-
-
-def _bettered(plane: Floats, windows: Windows) -> tuple[Floats, Bools]:
-    for _ in range(3):
-        agree = np.abs(windows.disparity_px - windows.rows @ plane) < _TOLERANCE_PX
-        near = windows.those(agree)
-        plane = np.asarray(np.linalg.lstsq(near.rows, near.disparity_px, rcond=None)[0], np.float64)
-    return plane, np.abs(windows.disparity_px - windows.rows @ plane) < _TOLERANCE_PX
+    return planes[[table is not None and -table.normal @ ray > least for table in tables]]

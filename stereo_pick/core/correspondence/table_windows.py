@@ -1,7 +1,6 @@
-"""Windows of the left view found along their rows in the right one, and the plane in space that their disparities show.
+"""Windows of the left view found along their rows in the right one.
 
-On a plane the disparity is a linear function of the pixel: `plane` (3,) below is disparity by column, row and 1, in
-pixels of views reduced to one width, at which windows are small and quickly found.
+Pixels are of views reduced to one width, at which windows are small and quickly found.
 """
 
 from __future__ import annotations
@@ -18,9 +17,6 @@ from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.edge_model import vertex
 from stereo_pick.core.rectified_view import valid_region
-from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.sight import normalized
-from stereo_pick.core.shapes.table import EDGE_ON, Table
 
 _WIDTH_PX = 320  # of the reduced views
 _EVEN_PX = 6.0  # sigma of what counts as even light
@@ -39,7 +35,7 @@ class Windows:
 
     @property
     def rows(self) -> Floats:
-        """What (N, 3) a plane is multiplied by."""
+        """What (N, 3) a plane (`window_planes.py`) is multiplied by."""
         return np.asarray(np.c_[self.centre_px, np.ones(len(self.centre_px))], np.float64)
 
     def those(self, chosen: Bools) -> Windows:
@@ -121,25 +117,3 @@ def _only_peak(likeness: Grey) -> float | None:
     if not 0 < best < len(likeness) - 1 or likeness[best] < max(_ALIKE, second + _LEAD):
         return None
     return best + float(vertex(*-likeness[best - 1 : best + 2, None].astype(np.float64))[0])
-
-
-def as_table(plane: Floats, rig: StereoRig, scale: float, middle_px: Floats, sigma_px: float) -> Table | None:
-    """The plane as one in space; None where it would be seen edge-on, or from behind.
-
-    Disparity is focal length x baseline / depth, and a constant. sigma_px: of the disparity of the whole view at a
-    place (2,) of the reduced one.
-    """
-    column, row, one = plane
-    half = (column + row) / 2  # pixel centres are whole numbers in both
-    constant_px = half + (one - half) / scale
-    left, right = rig.left.P, rig.right.P
-    apart_px = left[0, 2] - right[0, 2]
-    at_centre = column * left[0, 2] + row * left[1, 2] + constant_px - apart_px
-    across = np.array([column * left[0, 0], row * left[1, 1], at_centre])
-    length = float(np.linalg.norm(across))
-    normal = -across / length
-    if normal[2] > -EDGE_ON:
-        return None
-    offset_m = rig.focal_px * rig.baseline_m / length
-    depth_m = -offset_m / float(normal @ np.append(normalized(middle_px / scale, rig.left), 1.0))
-    return Table(normal, offset_m, sigma_px * depth_m * offset_m / (rig.focal_px * rig.baseline_m))

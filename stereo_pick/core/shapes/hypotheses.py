@@ -86,9 +86,7 @@ class Images:
         for nor against those. The same object where there are none."""
         if not fits:
             return self
-        found = copy(self)
-        found.maps = self.maps  # made once for both
-        found._longer, found._locked = {}, {}
+        found = self._asked_anew()
         found.occluders = Occluders.of(fits, self.rig)
         return found
 
@@ -97,10 +95,15 @@ class Images:
         edges, and show them the more the nearer they are."""
         if not fits:
             return self
-        found = copy(self)
-        found.maps = self.maps
-        found._longer, found._locked = {}, {}
+        found = self._asked_anew()
         found.noise_px = min(_ROUGHEST * NOISE_PX, max(NOISE_PX, float(np.median([fit.residual_px for fit in fits]))))
+        return found
+
+    def _asked_anew(self) -> Images:
+        """The same views, of which other solids may be supported."""
+        found = copy(self)
+        found.maps = self.maps  # made once for both
+        found._longer, found._locked = {}, {}
         return found
 
     @cached_property

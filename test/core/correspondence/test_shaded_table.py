@@ -32,7 +32,7 @@ def test_shadows_of_bright_parts_show_the_table(seed: int) -> None:
     first = shaded_tables(pair, Detector().detect(pair), Feature().disparities_px(scene.rig))[0]
     on_it = np.array([[x, y, 0.0] for x in (-0.1, 0.1) for y in (-0.1, 0.1)])
     height_m = first.height_m(truth.left_T_table.apply(on_it) @ scene.rig.left.R.T)
-    assert np.abs(height_m).max() < 3e-3
+    assert np.abs(height_m).max() < (3e-3 if seed == 4 else 1.5e-3)
     assert np.abs(height_m).mean() < first.sigma_m
 
 
