@@ -15,6 +15,7 @@ from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, KINDS, Prism
+from stereo_pick.core.shapes.shortening import shortened
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.standing import exactly, most_supported
 from stereo_pick.core.shapes.table import Table
@@ -26,6 +27,9 @@ WELL_SHOWN = 0.92  # ... but with so much of its silhouette, all but its corners
 def reconsidered(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
     """The same, or what the object is instead: no prism, or one after all; None where that is open."""
     is_cylinder, is_prism = found.fit.kind == CYLINDER.name, isinstance(KINDS[found.fit.kind], Prism)
+    shorter = _as_shorter(images, row, found, table)
+    if shorter is not None:
+        return shorter
     if found.is_astray and (is_cylinder or (is_prism and not is_flat(found.fit))):
         return None
     if is_cylinder and not found.has_creases:
@@ -51,6 +55,17 @@ def _is_slab(fit: SolidFit) -> bool:
     """Whether a solid is much thinner than it is wide: it may be the top of another, with a strip of its side."""
     least, middle, _ = np.sort(fit.size_m)
     return bool(least < BODY * middle)
+
+
+def _as_shorter(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
+    """The same object without what goes on beyond it, such as its shadow, if so it shows clearly more of itself."""
+    if found.shown > WELL_SHOWN:
+        return None
+    for each in exactly(images, shortened(found.fit.solid, images.eyes_m, images.maps, table), table):
+        there = adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0]
+        if there.is_clear and there.shown > found.shown + CHANCE:
+            return row[0], by_supported(images.rig, each)
+    return None
 
 
 def _as_prism(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:

@@ -57,17 +57,17 @@ def grown(
     """
     if solid.kind is SPHERE or (solid.kind is HEX_PRISM and not _is_face(solid)):
         return None
-    ways = _ways(solid, table)
+    ways = ways_along(solid, table)
     if not ways:
         return None
     old = silhouettes(solid, eyes_m)[0]
     lengths_m = _lengths_m(solid, views[0].camera.P[0, 0])
-    few = _stretched(solid, ways, lengths_m[_TOGETHER // 2 :: _TOGETHER])
+    few = stretched_by(solid, ways, lengths_m[_TOGETHER // 2 :: _TOGETHER])
     share, _ = _shown(few, old, eyes_m, views, 0, _FEW, occluders)
     likely = np.repeat((share >= _FEW.enough).reshape(-1, len(lengths_m) // _TOGETHER), _TOGETHER, axis=1)
     if not likely.any():
         return None
-    candidates = _stretched(solid, ways, lengths_m).only(np.flatnonzero(likely))
+    candidates = stretched_by(solid, ways, lengths_m).only(np.flatnonzero(likely))
     share, count = np.ones(len(candidates.centre_m)), np.zeros(len(candidates.centre_m))
     for i in range(len(views)):
         part, points = _shown(candidates, old, eyes_m, views, i, _ALL, occluders)
@@ -119,23 +119,24 @@ def _shown(
 def is_longer(one: Solids, other: Solids, focal_px: float) -> bool:
     """Whether one solid (S = 1) is so much larger than another of its kind that it shows another part."""
     longer_m = 2 * float((one.half_m - other.half_m).max())
-    return longer_m > _least_m(other, float(other.centre_m[0, 2]) / focal_px)
+    return longer_m > least_change_m(other, float(other.centre_m[0, 2]) / focal_px)
 
 
-def _least_m(solid: Solids, m_per_px: float) -> float:
+def least_change_m(solid: Solids, m_per_px: float) -> float:
+    """By how much [m] a solid must differ in length to show another part."""
     return max(_LEAST * 2 * float(solid.half_m.max()), _LEAST_PX * m_per_px)
 
 
 def _lengths_m(solid: Solids, focal_px: float) -> Floats:
     """By how much a solid may be longer, in steps of some pixels: a multiple of those looked at together."""
     m_per_px = float(solid.centre_m[0, 2]) / focal_px
-    step_m, least_m = _STEP_PX * m_per_px, _least_m(solid, m_per_px)
+    step_m, least_m = _STEP_PX * m_per_px, least_change_m(solid, m_per_px)
     farthest_m = max(_FARTHEST * 2 * float(solid.half_m.max()), 4 * step_m)
     groups = max(np.ceil((farthest_m - least_m) / (step_m * _TOGETHER)), 1)
     return np.asarray(least_m + step_m * np.arange(1, groups * _TOGETHER + 1))
 
 
-def _ways(solid: Solids, table: Table | None) -> list[tuple[int, float]]:
+def ways_along(solid: Solids, table: Table | None) -> list[tuple[int, float]]:
     """The axes along which a solid may go on, and to which side: not up from a known table, nor down into it."""
     axes = [2] if solid.kind.sizes == 2 else [0, 1, 2]
     if table is not None:
@@ -143,7 +144,7 @@ def _ways(solid: Solids, table: Table | None) -> list[tuple[int, float]]:
     return [(axis, sign) for axis in axes for sign in (1.0, -1.0)]
 
 
-def _stretched(solid: Solids, ways: Sequence[tuple[int, float]], lengths_m: Floats) -> Solids:
+def stretched_by(solid: Solids, ways: Sequence[tuple[int, float]], lengths_m: Floats) -> Solids:
     """The solid made longer by these lengths (L,) along these of its own axes, to these sides: length by length."""
     kind = solid.kind
     longer = np.array([np.arange(kind.sizes) == kind.axes[axis] for axis, _ in ways])
