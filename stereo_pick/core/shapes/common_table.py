@@ -32,7 +32,8 @@ SUPPOSED_SIGMA_M = 0.001
 
 
 def common_table(fits: Sequence[SolidFit | None], faces: Sequence[SolidFit] = ()) -> Table | None:
-    """The plane that the solids stand on, rectified left frame; None where too few of them agree on one.
+    """The plane that the solids stand on, rectified left frame; None where too few of them agree on one, or the cameras
+    would hardly see it.
 
     The axes say how it is inclined, and so do the lowest points of solids that are far apart: both count as their
     sigmas allow. faces: thin solids, lit faces that are level.
@@ -49,6 +50,8 @@ def common_table(fits: Sequence[SolidFit | None], faces: Sequence[SolidFit] = ()
     sigma_m = np.array([np.hypot(2 * np.sqrt(normal @ solids[i].covariance @ normal), _LEAST_SIGMA_M) for i in on_it])
     across = np.linalg.svd(normal[None])[2][1:]
     middle = feet_m.mean(axis=0)
+    if not _is_looked_at(normal, middle):
+        return None
     rows = np.c_[(feet_m - middle) @ across.T, np.ones(len(feet_m))] / sigma_m[:, None]
     known = np.diag([1.0, 1.0, 0.0]) * len(on_it) / _AXIS_RAD**2
     covariance = np.linalg.inv(rows.T @ rows + known)
@@ -75,9 +78,14 @@ def supposed_tables(fits: Sequence[SolidFit | None]) -> list[Table]:
     tables = [
         Table(up, -float(lowest_m(up, [fit])[0]), SUPPOSED_SIGMA_M)
         for up, fit in supposed
-        if -up @ fit.centre_m > _STEEP * np.linalg.norm(fit.centre_m)
+        if _is_looked_at(up, fit.centre_m)
     ]
     return sorted(tables, key=lambda table: -sum(stands_on(table, fit) for fit in bodies))
+
+
+def _is_looked_at(normal: Floats, place_m: Floats) -> bool:
+    """Whether the left camera sees a table at a place (3,) from above, and not too much from the side."""
+    return bool(float(-normal @ place_m) > _STEEP * float(np.linalg.norm(place_m)))
 
 
 def _under_both(lying: SolidFit, ball: SolidFit) -> list[Floats]:
