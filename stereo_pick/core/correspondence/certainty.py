@@ -7,20 +7,22 @@ from collections.abc import Sequence
 import numpy as np
 
 from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.more_of_it import as_unsure_as_whole
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.rig import StereoRig
 
 
 def by_certainty(
-    rows: Sequence[Row], refused: Sequence[Unread], rig: StereoRig, most: float
+    rows: Sequence[Row], refused: Sequence[Unread], rig: StereoRig, most: float, warped: WarpedViews | None
 ) -> tuple[list[Row], list[Unread]]:
     """Those known well enough, and the others; most: one sigma of an object's depth, as a part of its width.
 
-    refused: what may be more of the objects, as may be those that are not known well enough themselves.
+    refused: what may be more of the objects, unless it lies on the table; so may be those that are not known well
+    enough themselves.
     """
     sure, unsure = _by_sigma(rows, rig, most)
-    still, less = _by_sigma(as_unsure_as_whole(sure, [*refused, *unsure], rig), rig, most)
+    still, less = _by_sigma(as_unsure_as_whole(sure, [*refused, *unsure], rig, warped), rig, most)
     return still, unsure + less
 
 

@@ -142,7 +142,7 @@ class Feature(Method):
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
         unread = [*together.refused, *found.for_good, *(Unread("flat", *each) for each, _ in prints)]
         unread += [Unread("no_solid", *each) for each, _ in unknown]
-        sure, unsure = by_certainty(kept, unread, rig, most)
+        sure, unsure = by_certainty(kept, unread, rig, most, together.warped)
         sure.sort(key=lambda row: float(row[1].left_px[0]))
         matches = [self._match(rig, left, where, normal) for (left, _), where in sure]
         return collect(matches, [each.refusal for each in unread + unsure])
@@ -159,7 +159,8 @@ class Feature(Method):
         length, width, direction = left.rectangle
         sigma = where.sigma_px, where.sigma_px
         if where.fit is None:
-            return Match(where.left_px, where.right_px, sigma, (length, width), direction)
+            size_px = length, width
+            return Match(where.left_px, where.right_px, sigma, size_px, direction, covariance=where.covariance)
         extent = extent_of(where.fit, normal)
         point_m = reference_point_m(where.fit, extent, self.reference_point)
         left_px = where.left_px + moved_px(where.fit, point_m, rig.left)

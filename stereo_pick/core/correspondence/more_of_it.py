@@ -5,7 +5,7 @@ An angle bracket looks like a box and something else that touches it, a bottle l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import cv2
@@ -14,6 +14,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import BlobPair, Row, of_size
 from stereo_pick.core.objects.beside import are_beside
 from stereo_pick.core.rig import StereoRig
@@ -23,17 +24,28 @@ _TOUCHES_PX = 2.0
 _SHADE = "beside_bright"
 
 
-def as_unsure_as_whole(rows: Sequence[Row], unread: Sequence[Unread], rig: StereoRig) -> list[Row]:
+def as_unsure_as_whole(
+    rows: Sequence[Row], unread: Sequence[Unread], rig: StereoRig, warped: WarpedViews | None
+) -> list[Row]:
     """The same, each as unsure as its centre would move if what touches it and is refused were a piece of it; and where
-    two parts were cut apart, and one of them is none, the other may end elsewhere."""
+    two parts were cut apart, and one of them is none, the other may end elsewhere. warped: what lies there, and so is
+    no piece of what stands there."""
     others = [(each.left, each.right) for each in unread if each.left and each.right and each.reason != _SHADE]
-    return [_as_unsure(row, others, rig) for row in rows]
+    fits = [where.fit for _, where in rows if where.fit]
+
+    def lies_flat(pair: BlobPair) -> bool:
+        return warped is not None and warped.is_all_of(pair, fits)
+
+    return [_as_unsure(row, others, rig, lies_flat) for row in rows]
 
 
-def _as_unsure(row: Row, others: Sequence[BlobPair], rig: StereoRig) -> Row:
+def _as_unsure(row: Row, others: Sequence[BlobPair], rig: StereoRig, lies_flat: Callable[[BlobPair], bool]) -> Row:
     blobs, where = row
+    if where.fit is None:
+        return row
     touching = [pair for pair in others if all(are_beside(*each, _TOUCHES_PX) for each in zip(blobs, pair))]
-    if where.fit is None or not touching:
+    touching = [pair for pair in touching if not lies_flat(pair)]
+    if not touching:
         return row
     off_px = max(_moved_px(where.fit, pair, rig) for pair in touching)
     if off_px == 0:  # the solid covers all of it

@@ -57,7 +57,7 @@ def aligned(left: Grey, right: Grey, plane: Floats, windows: Windows, grid: tupl
     wide_px, high_px, stride_px = grid
     rows = windows.rows
     for round_ in range(_ROUNDS):
-        off_px, sigma_px, alike = _left_over(left, right, plane, windows, (wide_px, high_px))
+        off_px, sigma_px, alike = off_plane(left, right, plane, windows, (wide_px, high_px))
         near = (np.abs(off_px) < max(_REACH_PX * _NARROWING**round_, _LEAST_REACH_PX)) & (alike > _ALIKE)
         if near.sum() < _LEAST:
             return None
@@ -67,7 +67,7 @@ def aligned(left: Grey, right: Grey, plane: Floats, windows: Windows, grid: tupl
     return Alignment(plane, covariance * overlap)
 
 
-def _left_over(
+def off_plane(
     left: Grey, right: Grey, plane: Floats, windows: Windows, size_px: tuple[int, int]
 ) -> tuple[Floats, Floats, Floats]:
     """By how much (N,) the disparity of windows is more than the plane's, the sigma of that, and how alike they are."""

@@ -3,51 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_seen_alone
 from stereo_pick.core.correspondence.clear_of import clear_of
+from stereo_pick.core.correspondence.doubts import placed_surely, seen_in_part
 from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import (
-    BlobPair,
     Row,
-    by_adjusted,
-    centres_by_outlines_px,
-    of_size,
     with_dark_ends,
 )
 from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.correspondence.second_thoughts import (
     CREASED,
-    WELL_SHOWN,
     is_flat_after_all,
     reconsidered,
 )
-from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.objects.blob import CUT
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
-from stereo_pick.core.shapes.common_table import stands_on
-from stereo_pick.core.shapes.hypotheses import BODY, Images
-from stereo_pick.core.shapes.kinds import KINDS, Prism
-from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.table import Table
-
-_WELL_SEEN = 1 / 2  # of its silhouette and its creases, with less of which an object is in doubt
-_HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
 
 
 @dataclass(frozen=True, eq=False)
 class Together:
     """kept: the objects, where they are; refused: what was and is not found after all, what is not what its outlines
-    seem to be, and what is flat after all; table: what the objects stand on, as far as that is known."""
+    seem to be, and what is flat after all; warped: what the views show of the table, as far as that is known."""
 
     kept: list[Row]
     refused: list[Unread]
-    table: Table | None
+    warped: WarpedViews | None
+
+    @property
+    def table(self) -> Table | None:
+        """What the objects stand on."""
+        return self.warped.table if self.warped else None
 
 
 def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts: bool) -> Together:
@@ -71,11 +66,15 @@ def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts:
     unlike += [row for row, each in zip(sound, found) if not each.is_seen]
     seen = [(row, each) for row, each in zip(sound, found) if each.is_seen]
     open_ = [Unread("other_shape", *blobs) for blobs, _ in unlike] + list(reading.unread)
-    seen, refused = _looked_for_again(images, open_, seen, rest + astray, common)
-    placed = [row if each.is_astray else _placed(images, row, each, common) for row, each in seen]
+    warped = WarpedViews(images.pair, common) if common else None
+    seen, refused = _looked_for_again(images, open_, seen, rest + astray, warped)
+    placed = placed_surely(images, seen, table, warped)
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
+    if warped is not None and not flat_parts:
+        flat += _printed(warped, [(row, each) for row, (_, each) in zip(placed, seen) if row not in flat])
     refused += [Unread("flat", *blobs) for blobs, _ in flat]
-    return Together(rest + astray + [row for row in placed if row not in flat], refused, common)
+    rest = [seen_in_part(row, images.rig, common) for row in rest]
+    return Together(rest + astray + [row for row in placed if row not in flat], refused, warped)
 
 
 def _with_dark_ends(images: Images, row: Row, rows: Sequence[Row]) -> Row:
@@ -93,12 +92,13 @@ def _adjusted(
 
 
 def _looked_for_again(
-    images: Images, open_: Sequence[Unread], seen: Sequence[Seen], besides: Sequence[Row], table: Table | None
+    images: Images, open_: Sequence[Unread], seen: Sequence[Seen], besides: Sequence[Row], warped: WarpedViews | None
 ) -> tuple[list[Seen], list[Unread]]:
     """Those that are seen, some of them as another solid on the table as it is at last: what lacks its creases, and
     what was refused, is looked for again where none of the others, or of those besides, is; and what stays refused."""
-    if table is None:
+    if warped is None:
         return list(seen), list(open_)
+    table = warped.table
     found = [(row, each) for row, each in seen if each.creased >= CREASED]
     before = [each.fit for _, each in found if each.is_clear]
     look = LastLook(images.as_rough_as(before).behind(before), table, before, [where for _, where in besides])
@@ -115,63 +115,30 @@ def _looked_for_again(
         if not goes_on_beyond(blobs, there.fit, images):  # else the rest of it is refused still
             refused.remove(unread)
         refused = [each for each in refused if not is_seen_alone(each, there.fit, images)]
+    for piece in _risen(warped, refused, found):
+        another = look.at_refused(piece, [each.fit for _, each in found])
+        if another is not None:
+            found.append(another)
     return found, refused
 
 
-def _placed(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row:
-    """Where the solid is, and how sure that is."""
-    (blobs, where), fit = row, found.fit
-    doubt = where.doubt + (_as_if_it_stood(found, table, images.rig) if table else 0.0)
-    if goes_on_beyond(blobs, fit, images):
-        doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
-    if _may_be_longer(found, table):
-        doubt = doubt + of_size(fit)
-    if _may_be_a_side(found, table):
-        doubt = doubt + float(fit.size_m.min()) ** 2 / 12 * np.eye(3)  # anywhere within its thickness
-    if _may_be_a_streak(found, table):
-        doubt = doubt + (float(fit.size_m.max()) / 2) ** 2 * np.eye(3)
-    return blobs, by_adjusted(images.rig, where, fit, doubt)
+def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:
+    """Those of which no crease, and nothing else, rises from the table."""
+    fits = [each.fit for _, each in placed]
+    return [
+        row
+        for row, each in placed
+        if not (each.is_creased and each.has_creases)
+        and warped.is_all_of(row[0], [fit for fit in fits if fit is not each.fit])
+    ]
 
 
-def _may_be_longer(found: Adjusted, table: Table | None) -> bool:
-    """Whether much of its edges does not show; or, without a table, some: it may go on to the end of its shadow."""
-    if found.shown < WELL_SHOWN and table is None:
-        return True
-    is_in_doubt = isinstance(KINDS[found.fit.kind], Prism) or found.shown < WELL_SHOWN
-    return is_in_doubt and found.shown * found.creased < _WELL_SEEN
-
-
-def _may_be_a_streak(found: Adjusted, table: Table | None) -> bool:
-    """Whether a rod may be light that mirrors along a thicker one: no table, and not all of its edges, are there to
-    tell."""
-    return table is None and found.shown < WELL_SHOWN and found.fit.flatness < BODY
-
-
-def _may_be_a_side(found: Adjusted, table: Table | None) -> bool:
-    """Whether nothing tells how far away a solid is that lacks its creases, but as much of its silhouette as shows."""
-    return table is None and found.shown < WELL_SHOWN and not found.is_creased
-
-
-def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
-    """Covariance (3, 3) [m²] from where it hangs above the table to where another solid that is seen alike would stand.
-
-    Nothing hangs in the air, and what lies on something else is higher up than a part of its own size, and shows by its
-    creases what it is; a ball, which has none, is believed.
-    """
-    fit = found.fit
-    height_m = float(table.under(fit.solid)[0][0])
-    if stands_on(table, fit) or height_m < 0:
-        return np.zeros((3, 3))
-    if height_m > _HANGS * float(fit.size_m.min()) and found.is_creased:
-        return np.zeros((3, 3))
-    ahead = fit.centre_m - rig.eyes_m.mean(axis=0)
-    down_m = -ahead * height_m / float(table.normal @ ahead)
-    return np.outer(down_m, down_m) / 4 + of_size(fit)
-
-
-def _off_its_outlines(blobs: BlobPair, fit: SolidFit, rig: StereoRig) -> Floats:
-    """Covariance (3, 3) [m²] of the centre of what may have that of its outlines as well as the solid's."""
-    per_px = float(fit.centre_m[2]) / rig.focal_px
-    own = fit.centre_px(rig.left), fit.centre_px(rig.right)
-    off_px = [np.linalg.norm(seen - px) for seen, px in zip(centres_by_outlines_px(rig, blobs, fit), own)]
-    return np.asarray((max(off_px) * per_px) ** 2 * np.eye(3))
+def _risen(warped: WarpedViews, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Unread]:
+    """What rises from the table in outlines that are several, some of which may lie there."""
+    fits = [each.fit for _, each in found]
+    pairs = [(each.left, each.right) for each in refused if each.reason == "merged" and each.left and each.right]
+    hulls = [(left, hull) for left, right in pairs for hull in warped.rising((left, right), fits)]
+    return [
+        Unread("merged", replace(left, contour_px=hull, sharpness=np.full(len(hull), CUT)), None)
+        for left, hull in hulls
+    ]

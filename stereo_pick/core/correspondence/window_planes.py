@@ -72,3 +72,19 @@ def as_table(plane: Floats, rig: StereoRig, scale: float, middle_px: Floats, sig
     offset_m = rig.focal_px * rig.baseline_m / length
     depth_m = -offset_m / float(normal @ np.append(normalized(middle_px / scale, rig.left), 1.0))
     return Table(normal, offset_m, sigma_px * depth_m * offset_m / (rig.focal_px * rig.baseline_m))
+
+
+def of_table(table: Table, rig: StereoRig, scale: float) -> Floats:
+    """The plane (3,) of a table, in views of that scale: the other way round."""
+    left, right = rig.left.P, rig.right.P
+    across = -table.normal * rig.focal_px * rig.baseline_m / table.offset_m
+    column, row = across[0] / left[0, 0], across[1] / left[1, 1]
+    constant_px = across[2] - column * left[0, 2] - row * left[1, 2] + left[0, 2] - right[0, 2]
+    half = (column + row) / 2
+    return np.array([column, row, half + scale * (constant_px - half)])
+
+
+def sigma_on_table_px(windows: Windows, table: Table, rig: StereoRig, scale: float) -> Floats:
+    """Sigma (N,) of the disparity of windows on a table, in views of that scale, by that of its height."""
+    apart_px = scale * (rig.left.P[0, 2] - rig.right.P[0, 2])
+    return np.asarray((windows.disparity_px - apart_px) * table.sigma_m / table.offset_m, np.float64)

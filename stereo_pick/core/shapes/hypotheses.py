@@ -72,6 +72,7 @@ class Images:
     """What the two rectified views, and what is known of the blur of their lenses, offer to support a solid."""
 
     def __init__(self, pair: RectifiedPair, blurs_px: Sequence[float] = (USUAL_BLUR_PX, USUAL_BLUR_PX)) -> None:
+        self.pair = pair
         self.rig: StereoRig = pair.rig
         self._views = tuple(zip((pair.left, pair.right), (pair.rig.left, pair.rig.right), blurs_px))
         self.eyes_m = pair.rig.eyes_m

@@ -43,6 +43,7 @@ THE_VIEWS_SHOW_DIFFERENT_PIECES = [
 ]
 ITS_ENDS_ARE_AS_BRIGHT_AS_ITS_SIDE = [("occluded", 255, 0), ("occluded", 279, 0)]
 AS_ROUGH_AS_THE_OTHERS = [("many_small", 1, 8), ("table_edge", 17, 3)]
+IT_RISES_FROM_A_PRINT = [("planks_and_prints", 2, 0), ("planks_and_prints", 9, 1), ("planks_and_prints", 16, 0)]
 HALF_OF_IT_SHOWS = [("light_differences", 209, 1), ("glossy", 207, 4), ("glossy", 206, 2)]
 
 
@@ -58,6 +59,7 @@ HALF_OF_IT_SHOWS = [("light_differences", 209, 1), ("glossy", 207, 4), ("glossy"
         *ITS_ENDS_ARE_AS_BRIGHT_AS_ITS_SIDE,
         *AS_ROUGH_AS_THE_OTHERS,
         *HALF_OF_IT_SHOWS,
+        *IT_RISES_FROM_A_PRINT,
     ],
 )
 def test_what_was_refused_is_found_by_the_edges_around_it(family: str, seed: int, which: int) -> None:

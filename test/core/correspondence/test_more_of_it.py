@@ -28,7 +28,7 @@ def added(away: tuple[float, float], radius: float = 1.0) -> Floats:
     blobs = disc(*PLACES[0], RADIUS_PX), disc(*PLACES[1], RADIUS_PX)
     others = [disc(x + off * RADIUS_PX, y, radius * RADIUS_PX) for (x, y), off in zip(PLACES, away)]
     row = blobs, Located(*PLACES, 0.1, BALL)
-    ((_, where),) = as_unsure_as_whole([row], [Unread("merged", *others)], PARALLEL)
+    ((_, where),) = as_unsure_as_whole([row], [Unread("merged", *others)], PARALLEL, None)
     return where.covariance
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from family_scenes import found
 from rendering import Box, Cylinder, Label, Paint, Planks, Scene, Solid, Sphere, render
 from rendering.rigs import table_before
 from rigs import RIGS
@@ -180,3 +181,9 @@ def test_outlines_without_a_row_in_common_are_left_to_others() -> None:
     (left, right), where = row_of(ball())
     row = (left, blob(right.contour_px + (0.0, 200.0))), where
     assert prints_among([row], RIG, None, False) == prints_among([row], RIG, below(ball(), 0.02), True) == []
+
+
+def test_a_carton_that_is_as_flat_as_the_planks_below_it_is_no_box() -> None:
+    """It was one, 18 mm high, that lacked its creases."""
+    result = found("planks_and_prints", 97)
+    assert len(result.ghosts_m) == 0 and result.wrong == 0 and len(result.found) == 5

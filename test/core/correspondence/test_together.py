@@ -114,11 +114,17 @@ def test_what_seems_to_hang_in_the_air_may_be_something_else_that_stands() -> No
     assert hanging > 0.01 / 2
 
 
-@pytest.mark.parametrize(("family", "seed"), [("light_differences", 38), ("dark_on_light", 55), ("dark_on_light", 70)])
-def test_what_shows_little_or_may_go_on_to_the_end_of_its_shadow_says_so(family: str, seed: int) -> None:
-    """One part of each is 5 to 6 mm off, and was stated to a tenth of that; the last is in the view without a table."""
-    result = found(family, seed)
+def test_what_shows_little_says_so() -> None:
+    """One part is 5 mm off, and was stated to a tenth of that."""
+    result = found("dark_on_light", 55)
     assert result.wrong >= 1 and result.unadmitted == 0
+
+
+@pytest.mark.parametrize(("family", "seed"), [("light_differences", 38), ("dark_on_light", 70)])
+def test_what_goes_on_to_the_end_of_its_shadow_is_cut_off_there(family: str, seed: int) -> None:
+    """One part of each was 5 to 6 mm off; the last is in a view without a table."""
+    result = found(family, seed)
+    assert result.wrong == 0 and result.unadmitted == 0 and len(result.ghosts_m) == 0
 
 
 @pytest.mark.parametrize("neck_m", [0.02, 0.03])

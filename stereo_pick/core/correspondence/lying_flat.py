@@ -1,0 +1,118 @@
+"""What outlines show beside known solids: prints and shadows lie on the table, parts and their pieces rise from it.
+
+The right view is warped onto the left one by the table's plane. What is on the table looks the same in both then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.plane_alignment import off_plane
+from stereo_pick.core.correspondence.position import BlobPair
+from stereo_pick.core.correspondence.table_windows import (
+    Windows,
+    clear_of_objects,
+    on_grid,
+    reduced,
+    uneven,
+    valid,
+)
+from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_px
+from stereo_pick.core.correspondence.window import Grey
+from stereo_pick.core.correspondence.window_planes import of_table, sigma_on_table_px
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.shapes.predicted import inside, silhouettes
+from stereo_pick.core.shapes.sight import normalized
+from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.table import Table
+
+_WIDTH_PX = 640  # of the reduced views, as all pixels here
+_SIDE_PX, _STRIDE_PX = 11, 3
+_PLACED_PX = 0.05  # sigma that the edges in a window promise: rectified noise is smooth, and seems to promise less
+_ALIKE = 0.7  # correlation
+_SIGMAS = 3.0
+_CLEAR_PX = _SIDE_PX / 2 + 2  # from the solids
+_LEAST = 8  # windows
+_MOST = 0.9  # of them
+
+
+class _Seen(NamedTuple):
+    """Windows that show edges, N of them. left, right: their middles (N, 2), where the table puts them in the right
+    view; lies: which of them (N,) show the table; view: that of the left camera, of a scale."""
+
+    left: Floats
+    right: Floats
+    lies: Bools
+    view: Grey
+    scale: float
+
+
+@dataclass(frozen=True, eq=False)
+class WarpedViews:
+    """What the views show of a table; looked for where it is asked for."""
+
+    pair: RectifiedPair
+    table: Table
+
+    def is_all_of(self, blobs: BlobPair, solids: Sequence[SolidFit]) -> bool:
+        """Whether all that outlines show clear of the solids lies on the table, and something does."""
+        rest = self._beside(blobs, solids)
+        return int(rest.sum()) >= _LEAST and float(self._seen.lies[rest].mean()) > _MOST
+
+    def rising(self, blobs: BlobPair, solids: Sequence[SolidFit]) -> list[Floats]:
+        """Hulls (K, 2) [px], in the left view, of what outlines show clear of the solids that is not on the table."""
+        seen = self._seen
+        column, row = seen.left[self._beside(blobs, solids) & ~seen.lies].astype(int).T
+        there = np.zeros(seen.view.shape, np.uint8)
+        there[row, column] = 1
+        joined = cv2.dilate(there, np.ones((_SIDE_PX, _SIDE_PX), np.uint8))
+        count, labels = cv2.connectedComponents(joined)
+        pieces = [np.argwhere((labels == label) & (there > 0))[:, ::-1] for label in range(1, count)]
+        hulls = [cv2.convexHull(piece.astype(np.float32))[:, 0] for piece in pieces if len(piece) >= _LEAST]
+        return [_at_full_size(hull.astype(np.float64), seen.scale) for hull in hulls if len(hull) > 2]
+
+    def _beside(self, blobs: BlobPair, solids: Sequence[SolidFit]) -> Bools:
+        """Which windows (N,) outlines show clear of the solids."""
+        seen, rig = self._seen, self.pair.rig
+        column, row = seen.left.astype(int).T
+        rest: Bools = ~clear_of_objects(seen.view, blobs[:1], seen.scale, _SIDE_PX, _SIDE_PX)[row, column]
+        left, right = _at_full_size(seen.left, seen.scale), _at_full_size(seen.right, seen.scale)
+        for fit in solids:
+            polygons = silhouettes(fit.solid, rig.eyes_m)[0]
+            rest &= _are_clear(left, rig.left, polygons[0], seen.scale)
+            rest &= _are_clear(right, rig.right, polygons[1], seen.scale)
+        return rest
+
+    @cached_property
+    def _seen(self) -> _Seen:
+        pair, rig = self.pair, self.pair.rig
+        scale = min(1.0, _WIDTH_PX / float(pair.left.shape[1]))
+        left, right = uneven(pair.left, rig.left, scale), uneven(pair.right, rig.right, scale)
+        noise = noise_dn(reduced(pair.left, scale))
+        usable = (predicted_sigma_px(left, noise, _SIDE_PX, "zncc") < _PLACED_PX) & valid(rig.left, left)
+        centre_px = on_grid(usable, _SIDE_PX, _SIDE_PX, _STRIDE_PX).astype(np.float64)
+        plane = of_table(self.table, rig, scale)
+        windows = Windows(centre_px, np.c_[centre_px, np.ones(len(centre_px))] @ plane)
+        off_px, sigma_px, alike = off_plane(left, right, plane, windows, (_SIDE_PX, _SIDE_PX))
+        known_px = np.hypot(sigma_px, sigma_on_table_px(windows, self.table, rig, scale))
+        lies = (alike > _ALIKE) & (np.abs(off_px) < _SIGMAS * known_px)
+        there_px = windows.centre_px - np.c_[windows.disparity_px, np.zeros(len(centre_px))]
+        return _Seen(centre_px, there_px, lies, left, scale)
+
+
+def _at_full_size(points_px: Floats, scale: float) -> Floats:
+    return (points_px + 0.5) / scale - 0.5
+
+
+def _are_clear(points_px: Floats, camera: Camera, polygon: Floats, scale: float) -> Bools:
+    """Which places (N, 2) of a view are clear of a silhouette (K, 2), normalized."""
+    away_px = -inside(normalized(points_px, camera)[None], polygon[None])[0] * camera.P[0, 0] * scale
+    return np.asarray(away_px > _CLEAR_PX, np.bool_)

@@ -1,0 +1,82 @@
+"""What lies on a table looks the same in both views once one is warped by its plane; what rises from it does not."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from grain_on_planes import columns_in_left, plane, seen
+from outlines import disc
+from rigs import RIGS
+
+from stereo_pick.core.correspondence.lying_flat import WarpedViews
+from stereo_pick.core.correspondence.position import BlobPair
+from stereo_pick.core.correspondence.window_planes import as_table, of_table
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.sight import normalized
+from stereo_pick.core.shapes.table import Table
+
+RIG = RIGS["thesis"]
+TABLE = plane(35, 0, 0.9)
+MEASURED = Table(TABLE.normal, TABLE.offset_m, 5e-4)
+MIDDLE, RADIUS_PX = (320.0, 240.0), 60.0
+
+
+def raised(height_m: float) -> RectifiedPair:
+    """A print on a table, but for a disc of it that is so much higher."""
+    above = Table(TABLE.normal, TABLE.offset_m - height_m, 0.0)
+    low, high = seen(RIG, TABLE, 20.0, 0), seen(RIG, above, 20.0, 1)
+    height, width = low.left.shape
+    columns, rows = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+    there = ((columns - MIDDLE[0]) ** 2 + (rows - MIDDLE[1]) ** 2 < RADIUS_PX**2).astype(np.float32)
+    at = columns_in_left(RIG, above, columns, rows).astype(np.float32)
+    there_right = cv2.remap(there, at, rows.astype(np.float32), cv2.INTER_LINEAR) > 0.5
+    left, right = np.where(there > 0.5, high.left, low.left), np.where(there_right, high.right, low.right)
+    return RectifiedPair(left, right, RIG, 0)
+
+
+def outlines(radius_px: float) -> BlobPair:
+    return disc(*MIDDLE, radius_px), disc(*MIDDLE, radius_px)
+
+
+def test_a_print_lies_on_its_table() -> None:
+    warped = WarpedViews(raised(0.0), MEASURED)
+    assert warped.is_all_of(outlines(100), []) and warped.rising(outlines(100), []) == []
+
+
+@pytest.mark.parametrize("height_m", [0.004, 0.01, 0.04])
+def test_what_rises_from_a_print_is_seen_where_it_is(height_m: float) -> None:
+    warped = WarpedViews(raised(height_m), MEASURED)
+    assert not warped.is_all_of(outlines(100), [])
+    largest = max(warped.rising(outlines(140), []), key=lambda hull: cv2.contourArea(hull.astype(np.float32)))
+    (x, y), radius_px = cv2.minEnclosingCircle(largest.astype(np.float32))
+    assert np.hypot(x - MIDDLE[0], y - MIDDLE[1]) < RADIUS_PX / 4
+    assert radius_px == pytest.approx(RADIUS_PX, rel=0.3)
+
+
+def test_beside_a_solid_that_rises_the_rest_of_a_print_lies() -> None:
+    """A ball around the disc: what is clear of it in both views is print."""
+    ray = np.append(normalized(np.array([MIDDLE]), RIG.left)[0], 1.0)
+    depth_m = TABLE.offset_m / -float(TABLE.normal @ ray)
+    size_m = 2 * (RADIUS_PX + 10) * depth_m / RIG.focal_px
+    ball = SolidFit("sphere", ray * depth_m, np.eye(3), np.full(3, size_m), 0.1, np.eye(3) * 1e-8)
+    warped = WarpedViews(raised(0.01), MEASURED)
+    blobs = outlines(140.0)
+    assert not warped.is_all_of(blobs, [])
+    assert warped.is_all_of(blobs, [ball])
+
+
+def test_where_nothing_shows_it_is_not_known_to_lie() -> None:
+    blank = np.full((480, 640), 110, np.uint8)
+    assert not WarpedViews(RectifiedPair(blank, blank, RIG, 0), MEASURED).is_all_of(outlines(100), [])
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.5, 0.37])
+@pytest.mark.parametrize("turn_deg", [0.0, 40.0, 200.0])
+def test_a_table_as_a_plane_of_disparities_is_that_table(scale: float, turn_deg: float) -> None:
+    table = plane(35, turn_deg, 0.9)
+    there = as_table(of_table(table, RIG, scale), RIG, scale, np.array([320.0, 240.0]) * scale, 0.1)
+    assert there is not None
+    np.testing.assert_allclose(there.normal, table.normal, atol=1e-9)
+    assert there.offset_m == pytest.approx(table.offset_m, rel=1e-9)
