@@ -10,6 +10,7 @@ from rigs import rotation
 from solids_on_table import LYING, MIXED, NUTS, UPRIGHT, Standing, fits_on_table, table_of
 
 from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.common_normal import common_normal
 from stereo_pick.core.shapes.common_table import common_table, hangs_above, stands_on, supposed_tables, surely_on
 from stereo_pick.core.shapes.table import Table
 
@@ -57,6 +58,13 @@ def test_what_reaches_below_the_table_neither_stands_nor_hangs() -> None:
 def test_solids_that_disagree_have_no_common_table() -> None:
     assert common_table([*fits_on_table(15, UPRIGHT[:1]), *fits_on_table(50, UPRIGHT[1:])]) is None
     assert common_table([]) is None
+
+
+@pytest.mark.parametrize("tilt_deg", [70, 75, 80])
+def test_what_the_cameras_would_hardly_see_is_no_table(tilt_deg: float) -> None:
+    """Two parts of which one was marks of a print agreed on a wall, on which nothing else stood."""
+    fits = fits_on_table(tilt_deg, UPRIGHT)
+    assert common_normal(fits) is not None and common_table(fits) is None
 
 
 @pytest.mark.parametrize("tilt_deg", [15, 40, 60])
