@@ -5,6 +5,8 @@ A lying cylinder and its shadow have the silhouette of a box. What they have not
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
@@ -69,17 +71,22 @@ def _as_shorter(images: Images, row: Row, found: Adjusted, table: Table | None) 
 
 
 def _as_prism(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
-    """The same object as the prism that shows as much of its silhouette, and its creases as well, if one does."""
-    blobs, _ = row
+    """The same object as the prism that shows as much of its silhouette, and its creases as well, if one does; one that
+    shows as much, but not its creases, leaves open where within its thickness the object is."""
+    blobs, where = row
     outlines = convex_outlines(blobs)
     if not can_be_fitted(outlines):
         return None
     nearest = [nearest_of_kind([outlines], images.rig, kind, table)[outlines, kind][0] for kind in (BOX, HEX_PRISM)]
-    for each in exactly(images, nearest, table):
-        there = adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0]
-        if there.is_clear and there.has_creases and there.shown >= found.shown - CHANCE:
+    rivals = exactly(images, nearest, table)
+    there = [adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0] for each in rivals]
+    alike = [(each, one) for each, one in zip(rivals, there) if one.shown >= found.shown - CHANCE and not one.is_astray]
+    for each, one in alike:
+        if one.is_creased and one.has_creases:
             return blobs, by_supported(images.rig, each)
-    return None
+    if not alike:
+        return None
+    return blobs, replace(where, doubt=where.doubt + float(found.fit.size_m.min()) ** 2 / 12 * np.eye(3))
 
 
 def _as_cylinder(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:
