@@ -9,7 +9,7 @@ import numpy as np
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.more_of_it import as_unsure_as_whole
-from stereo_pick.core.correspondence.position import BlobPair, Located, Row
+from stereo_pick.core.correspondence.position import BlobPair, Located, Row, depth_m
 from stereo_pick.core.rig import StereoRig
 
 
@@ -37,9 +37,7 @@ def sigma_of_width(blobs: BlobPair, where: Located, rig: StereoRig) -> float:
     With Z = f B / d, an error of both image points by sigma moves the depth by √2 sigma Z² / (f B); what moves them
     together adds to that.
     """
-    offset_px = rig.left.P[0, 2] - rig.right.P[0, 2]
-    disparity_px = float(where.left_px[0] - where.right_px[0] - offset_px)
-    depth_m = rig.focal_px * rig.baseline_m / max(disparity_px, 1e-6)
-    width_m = float(np.median(where.fit.size_m)) if where.fit else blobs[0].rectangle[1] * depth_m / rig.focal_px
-    apart_m = float(np.sqrt(2)) * where.sigma_px * depth_m**2 / (rig.focal_px * rig.baseline_m)
+    away_m = depth_m(where, rig)
+    width_m = float(np.median(where.fit.size_m)) if where.fit else blobs[0].rectangle[1] * away_m / rig.focal_px
+    apart_m = float(np.sqrt(2)) * where.sigma_px * away_m**2 / (rig.focal_px * rig.baseline_m)
     return float(np.hypot(apart_m, np.sqrt(where.covariance[2, 2]))) / width_m

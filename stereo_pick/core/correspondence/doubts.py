@@ -11,7 +11,15 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond
 from stereo_pick.core.correspondence.last_look import Seen
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
-from stereo_pick.core.correspondence.position import BlobPair, Row, by_adjusted, centres_by_outlines_px, of_size
+from stereo_pick.core.correspondence.position import (
+    BlobPair,
+    Row,
+    by_adjusted,
+    centres_by_outlines_px,
+    depth_m,
+    of_size,
+    of_thickness,
+)
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
@@ -32,14 +40,14 @@ def placed_surely(images: Images, seen: Sequence[Seen], before: Table | None, wa
     table = warped.table if warped else None
     fits = [each.fit for _, each in seen]
     moved_m = table_moved_m(fits, before, table)
-    doubts = [_doubt(images, row, each, table, by_m) for (row, each), by_m in zip(seen, moved_m)]
     placed = []
-    for (row, each), doubt in zip(seen, doubts):
-        (blobs, where), fit = row, each.fit
+    for (row, each), by_m in zip(seen, moved_m):
         if each.is_astray:
             placed.append(row)
             continue
-        if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_all_of(blobs, fits)):
+        (blobs, where), fit = row, each.fit
+        doubt = _doubt(images, row, each, table, by_m)
+        if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_all_of(blobs[0], fits)):
             doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
         placed.append((blobs, by_adjusted(images.rig, where, fit, doubt)))
     return placed
@@ -51,11 +59,10 @@ def seen_in_part(row: Row, rig: StereoRig, table: Table | None) -> Row:
     blobs, where = row
     if where.fit is not None:
         return row
-    apart_px = rig.left.P[0, 2] - rig.right.P[0, 2]
-    m_per_px = rig.baseline_m / max(float(where.left_px[0] - where.right_px[0]) - apart_px, 1.0)
-    within_m = max(blob.rectangle[1] for blob in blobs) * m_per_px
+    away_m = depth_m(where, rig)
+    within_m = max(blob.rectangle[1] for blob in blobs) * away_m / rig.focal_px
     if table is not None:
-        centre_m = np.append(normalized(where.left_px, rig.left), 1.0) * m_per_px * rig.focal_px
+        centre_m = np.append(normalized(where.left_px, rig.left), 1.0) * away_m
         within_m = min(within_m, abs(float(table.height_m(centre_m))))
     return blobs, replace(where, covariance=where.covariance + within_m**2 / 12 * np.eye(3))
 
@@ -71,7 +78,7 @@ def _doubt(images: Images, row: Row, found: Adjusted, table: Table | None, moved
     if _may_be_longer(found, table):
         doubt = doubt + of_size(fit)
     if _may_be_a_side(found, table):
-        doubt = doubt + float(fit.size_m.min()) ** 2 / 12 * np.eye(3)  # anywhere within its thickness
+        doubt = doubt + of_thickness(fit)
     if _may_be_a_streak(found, table):
         doubt = doubt + (float(fit.size_m.max()) / 2) ** 2 * np.eye(3)
     return doubt

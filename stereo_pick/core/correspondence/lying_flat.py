@@ -16,7 +16,6 @@ import numpy as np
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.plane_alignment import off_plane
-from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.correspondence.table_windows import (
     Windows,
     clear_of_objects,
@@ -29,6 +28,7 @@ from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_px
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.correspondence.window_planes import of_table, sigma_on_table_px
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -62,15 +62,16 @@ class WarpedViews:
     pair: RectifiedPair
     table: Table
 
-    def is_all_of(self, blobs: BlobPair, solids: Sequence[SolidFit]) -> bool:
-        """Whether all that outlines show clear of the solids lies on the table, and something does."""
-        rest = self._beside(blobs, solids)
+    def is_all_of(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
+        """Whether all that an outline in the left view shows clear of the solids lies on the table, and something
+        does."""
+        rest = self._beside(outline, solids)
         return int(rest.sum()) >= _LEAST and float(self._seen.lies[rest].mean()) > _MOST
 
-    def rising(self, blobs: BlobPair, solids: Sequence[SolidFit]) -> list[Floats]:
-        """Hulls (K, 2) [px], in the left view, of what outlines show clear of the solids that is not on the table."""
+    def rising(self, outline: Blob, solids: Sequence[SolidFit]) -> list[Floats]:
+        """Hulls (K, 2) [px] of what an outline in the left view shows clear of the solids that is not on the table."""
         seen = self._seen
-        column, row = seen.left[self._beside(blobs, solids) & ~seen.lies].astype(int).T
+        column, row = seen.left[self._beside(outline, solids) & ~seen.lies].astype(int).T
         there = np.zeros(seen.view.shape, np.uint8)
         there[row, column] = 1
         joined = cv2.dilate(there, np.ones((_SIDE_PX, _SIDE_PX), np.uint8))
@@ -79,11 +80,11 @@ class WarpedViews:
         hulls = [cv2.convexHull(piece.astype(np.float32))[:, 0] for piece in pieces if len(piece) >= _LEAST]
         return [_at_full_size(hull.astype(np.float64), seen.scale) for hull in hulls if len(hull) > 2]
 
-    def _beside(self, blobs: BlobPair, solids: Sequence[SolidFit]) -> Bools:
-        """Which windows (N,) outlines show clear of the solids."""
+    def _beside(self, outline: Blob, solids: Sequence[SolidFit]) -> Bools:
+        """Which windows (N,) an outline shows clear of the solids."""
         seen, rig = self._seen, self.pair.rig
         column, row = seen.left.astype(int).T
-        rest: Bools = ~clear_of_objects(seen.view, blobs[:1], seen.scale, _SIDE_PX, _SIDE_PX)[row, column]
+        rest: Bools = ~clear_of_objects(seen.view, [outline], seen.scale, _SIDE_PX, _SIDE_PX)[row, column]
         left, right = _at_full_size(seen.left, seen.scale), _at_full_size(seen.right, seen.scale)
         for fit in solids:
             polygons = silhouettes(fit.solid, rig.eyes_m)[0]

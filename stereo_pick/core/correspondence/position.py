@@ -112,6 +112,18 @@ def of_size(fit: SolidFit) -> Floats:
     return np.asarray((_DOUBT * float(fit.size_m.mean())) ** 2 * np.eye(3))
 
 
+def of_thickness(fit: SolidFit) -> Floats:
+    """Covariance (3, 3) [m²] of the centre of what may be anywhere within its least size."""
+    return np.asarray(float(fit.size_m.min()) ** 2 / 12 * np.eye(3))
+
+
+def depth_m(where: Located, rig: StereoRig) -> float:
+    """How far away two image points say that something is: Z = f B / d."""
+    offset_px = rig.left.P[0, 2] - rig.right.P[0, 2]
+    disparity_px = float(where.left_px[0] - where.right_px[0] - offset_px)
+    return rig.focal_px * rig.baseline_m / max(disparity_px, 1e-6)
+
+
 def by_adjusted(rig: StereoRig, where: Located, fit: SolidFit, doubt: Floats) -> Located:
     """The images of a solid's centre, known as well as its covariance says; doubt: (3, 3) [m²], of what solid it is.
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
-from stereo_pick.core.correspondence.position import Row, by_supported
+from stereo_pick.core.correspondence.position import Row, by_supported, of_thickness
 from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
@@ -78,15 +78,15 @@ def _as_prism(images: Images, row: Row, found: Adjusted, table: Table | None) ->
     if not can_be_fitted(outlines):
         return None
     nearest = [nearest_of_kind([outlines], images.rig, kind, table)[outlines, kind][0] for kind in (BOX, HEX_PRISM)]
-    rivals = exactly(images, nearest, table)
-    there = [adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0] for each in rivals]
-    alike = [(each, one) for each, one in zip(rivals, there) if one.shown >= found.shown - CHANCE and not one.is_astray]
-    for each, one in alike:
-        if one.is_creased and one.has_creases:
+    has_rival = False
+    for each in exactly(images, nearest, table):
+        there = adjusted([each.fit], images.maps, images.rig, table, known=True)[0][0]
+        if there.is_astray or there.shown < found.shown - CHANCE:
+            continue
+        if there.is_creased and there.has_creases:
             return blobs, by_supported(images.rig, each)
-    if not alike:
-        return None
-    return blobs, replace(where, doubt=where.doubt + float(found.fit.size_m.min()) ** 2 / 12 * np.eye(3))
+        has_rival = True
+    return (blobs, replace(where, doubt=where.doubt + of_thickness(found.fit))) if has_rival else None
 
 
 def _as_cylinder(images: Images, row: Row, found: Adjusted, table: Table | None) -> Row | None:

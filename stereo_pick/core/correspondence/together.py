@@ -13,16 +13,9 @@ from stereo_pick.core.correspondence.doubts import placed_surely, seen_in_part
 from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
-from stereo_pick.core.correspondence.position import (
-    Row,
-    with_dark_ends,
-)
+from stereo_pick.core.correspondence.position import Row, with_dark_ends
 from stereo_pick.core.correspondence.reading import Reading
-from stereo_pick.core.correspondence.second_thoughts import (
-    CREASED,
-    is_flat_after_all,
-    reconsidered,
-)
+from stereo_pick.core.correspondence.second_thoughts import CREASED, is_flat_after_all, reconsidered
 from stereo_pick.core.objects.blob import CUT
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
@@ -129,15 +122,15 @@ def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:
         row
         for row, each in placed
         if not (each.is_creased and each.has_creases)
-        and warped.is_all_of(row[0], [fit for fit in fits if fit is not each.fit])
+        and warped.is_all_of(row[0][0], [fit for fit in fits if fit is not each.fit])
     ]
 
 
 def _risen(warped: WarpedViews, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Unread]:
     """What rises from the table in outlines that are several, some of which may lie there."""
     fits = [each.fit for _, each in found]
-    pairs = [(each.left, each.right) for each in refused if each.reason == "merged" and each.left and each.right]
-    hulls = [(left, hull) for left, right in pairs for hull in warped.rising((left, right), fits)]
+    outlines = [each.left for each in refused if each.reason == "merged" and each.left and each.right]
+    hulls = [(left, hull) for left in outlines for hull in warped.rising(left, fits)]
     return [
         Unread("merged", replace(left, contour_px=hull, sharpness=np.full(len(hull), CUT)), None)
         for left, hull in hulls

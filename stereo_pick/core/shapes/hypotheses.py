@@ -39,11 +39,10 @@ _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth 
 
 @dataclass(frozen=True, eq=False)
 class Supported:
-    """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges as
-    far as it is not hidden; off_px:
-    how far these lie off, as a median, by more than noise moves such weak edges; doubt: covariance (3, 3) [m²] of its
-    centre as it may be another solid, which no better fit of this one makes less; noise_px: by which edges lie off
-    what is there."""
+    """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges as far as
+    it is not hidden; off_px: how far these lie off, as a median, by more than noise moves such weak edges; doubt:
+    covariance (3, 3) [m²] of its centre as it may be another solid, which no better fit of this one makes less;
+    noise_px: by which edges lie off what is there."""
 
     fit: SolidFit
     support: float
@@ -74,7 +73,7 @@ class Images:
     def __init__(self, pair: RectifiedPair, blurs_px: Sequence[float] = (USUAL_BLUR_PX, USUAL_BLUR_PX)) -> None:
         self.pair = pair
         self.rig: StereoRig = pair.rig
-        self._views = tuple(zip((pair.left, pair.right), (pair.rig.left, pair.rig.right), blurs_px))
+        self._blurs_px = blurs_px
         self.eyes_m = pair.rig.eyes_m
         self.nearest: Nearest = {}
         self._longer: dict[tuple[Solids, Table | None], Supported | None] = {}
@@ -110,7 +109,8 @@ class Images:
     @cached_property
     def maps(self) -> list[EdgeMap]:
         """The edges of both views."""
-        return [EdgeMap.of(*view) for view in self._views]
+        pair, rig = self.pair, self.rig
+        return [EdgeMap.of(*view) for view in zip((pair.left, pair.right), (rig.left, rig.right), self._blurs_px)]
 
     def look_at(self, readings: Sequence[Pair]) -> None:
         """Find out at once what is asked for `best` of many outlines: one by one takes several times as long."""

@@ -22,7 +22,7 @@ _REACH_PX = 2.5  # of an edge from the end that is tried: half a step, and as fa
 _POINTS = 72  # of a silhouette
 _WITHIN_PX = 3.0  # how far a point lies inside the old silhouette to be one of the new end
 _LEAST_POINTS = 4
-_LEFT = 0.4  # of the length, at least
+_REMAINS = 0.4  # of the length, at least
 _SHOWN = 0.75  # of the new end, in both views: by chance one in ten points lies on an edge
 _MOST = 8
 
@@ -44,7 +44,7 @@ def _candidates(solid: Solids, focal_px: float, table: Table | None) -> Solids |
     m_per_px = float(solid.centre_m[0, 2]) / focal_px
     several = []
     for axis, sign in ways_along(solid, table):
-        most_m = (1 - _LEFT) * 2 * float(solid.half_m[0, solid.kind.axes[axis]])
+        most_m = (1 - _REMAINS) * 2 * float(solid.half_m[0, solid.kind.axes[axis]])
         by_m = np.arange(least_change_m(solid, m_per_px), most_m, _STEP_PX * m_per_px)
         if len(by_m):
             several.append(stretched_by(solid, [(axis, sign)], -by_m))

@@ -10,9 +10,9 @@ from outlines import disc
 from rigs import RIGS
 
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
-from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.correspondence.window_planes import as_table, of_table
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.table import Table
@@ -36,20 +36,20 @@ def raised(height_m: float) -> RectifiedPair:
     return RectifiedPair(left, right, RIG, 0)
 
 
-def outlines(radius_px: float) -> BlobPair:
-    return disc(*MIDDLE, radius_px), disc(*MIDDLE, radius_px)
+def outline(radius_px: float) -> Blob:
+    return disc(*MIDDLE, radius_px)
 
 
 def test_a_print_lies_on_its_table() -> None:
     warped = WarpedViews(raised(0.0), MEASURED)
-    assert warped.is_all_of(outlines(100), []) and warped.rising(outlines(100), []) == []
+    assert warped.is_all_of(outline(100), []) and warped.rising(outline(100), []) == []
 
 
 @pytest.mark.parametrize("height_m", [0.004, 0.01, 0.04])
 def test_what_rises_from_a_print_is_seen_where_it_is(height_m: float) -> None:
     warped = WarpedViews(raised(height_m), MEASURED)
-    assert not warped.is_all_of(outlines(100), [])
-    largest = max(warped.rising(outlines(140), []), key=lambda hull: cv2.contourArea(hull.astype(np.float32)))
+    assert not warped.is_all_of(outline(100), [])
+    largest = max(warped.rising(outline(140), []), key=lambda hull: cv2.contourArea(hull.astype(np.float32)))
     (x, y), radius_px = cv2.minEnclosingCircle(largest.astype(np.float32))
     assert np.hypot(x - MIDDLE[0], y - MIDDLE[1]) < RADIUS_PX / 4
     assert radius_px == pytest.approx(RADIUS_PX, rel=0.3)
@@ -62,14 +62,14 @@ def test_beside_a_solid_that_rises_the_rest_of_a_print_lies() -> None:
     size_m = 2 * (RADIUS_PX + 10) * depth_m / RIG.focal_px
     ball = SolidFit("sphere", ray * depth_m, np.eye(3), np.full(3, size_m), 0.1, np.eye(3) * 1e-8)
     warped = WarpedViews(raised(0.01), MEASURED)
-    blobs = outlines(140.0)
-    assert not warped.is_all_of(blobs, [])
-    assert warped.is_all_of(blobs, [ball])
+    print_ = outline(140.0)
+    assert not warped.is_all_of(print_, [])
+    assert warped.is_all_of(print_, [ball])
 
 
 def test_where_nothing_shows_it_is_not_known_to_lie() -> None:
     blank = np.full((480, 640), 110, np.uint8)
-    assert not WarpedViews(RectifiedPair(blank, blank, RIG, 0), MEASURED).is_all_of(outlines(100), [])
+    assert not WarpedViews(RectifiedPair(blank, blank, RIG, 0), MEASURED).is_all_of(outline(100), [])
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.5, 0.37])
