@@ -2,17 +2,33 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Floats, Image
 
 _MOST = 32_000  # rows that OpenCV's remap can fill at once, less than 2¹⁵
+_ALL_IN_ONE = np.empty(0, np.float32)  # no second map: the first one holds both coordinates
 
 
 def sampled(image: Image, points_px: Floats) -> Floats:
     """Bilinear grey levels (N, M) of an image (H, W) at points (N, M, 2) [px]; beyond it, those of its border."""
-    u, v = np.moveaxis(points_px.astype(np.float32), -1, 0)
-    parts = [slice(first, first + _MOST) for first in range(0, len(u), _MOST)]
-    grey = [cv2.remap(image, u[p], v[p], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE) for p in parts]
-    return np.asarray(np.concatenate(grey) if grey else np.empty(u.shape), np.float64)
+    return remapped(image, points_px).astype(np.float64)
+
+
+def remapped(
+    image: NDArray[Any], points_px: Floats | NDArray[np.float32], beyond: int = cv2.BORDER_REPLICATE
+) -> NDArray[Any]:
+    """The same (N, M, ...) of an image (H, W, ...) of one or two channels, in its own type; what is beyond it as by
+    this one of OpenCV's border types."""
+    places = points_px.astype(np.float32, copy=False)
+    parts = [
+        cv2.remap(image, places[first : first + _MOST], _ALL_IN_ONE, cv2.INTER_LINEAR, borderMode=beyond)
+        for first in range(0, len(places), _MOST)
+    ]
+    if not parts:
+        return np.empty((*places.shape[:2], *image.shape[2:]), image.dtype)
+    return np.concatenate(parts) if len(parts) > 1 else parts[0]

@@ -74,14 +74,14 @@ def _shaded_behind(profiles: Floats, blur_px: float) -> Edges:
     model = _model(blur_px)
     change = profiles - profiles.mean(axis=1, keepdims=True)
     first, second = change @ model.first, change @ model.second
-    squares = (change**2).sum(axis=1)[:, None] - first**2 - second**2
-    best = np.clip(squares.argmin(axis=1), 1, len(_EDGES_PX) - 2)
-    row = np.arange(len(best))
-    before, at, after = squares[row, best - 1], squares[row, best], squares[row, best + 1]
+    squares = (change * change).sum(axis=1)[:, None] - first * first - second * second
+    best = np.minimum(np.maximum(squares.argmin(axis=1), 1), len(_EDGES_PX) - 2)
+    place = np.arange(0, squares.size, len(_EDGES_PX)) + best  # in the flat arrays
+    before, at, after = squares.take(place - 1), squares.take(place), squares.take(place + 1)
     part = vertex(before, at, after)
     least = np.maximum(at, 0.0)
-    first, second, solve = first[row, best], second[row, best], model.solve[best]
-    step, shading = solve[:, 0] * first + solve[:, 1] * second, solve[:, 2] * second
+    first, second, (by_first, by_second, shades) = first.take(place), second.take(place), model.solve.take(best, axis=1)
+    step, shading = by_first * first + by_second * second, shades * second
     noise = 3 * np.sqrt(least / _FREEDOM)
     sharpness = step / (np.abs(step) + np.abs(shading) + noise + 1e-9)
     return Edges(_EDGES_PX[best] + part * _EDGE_STEP_PX, step, sharpness, least)
@@ -90,7 +90,7 @@ def _shaded_behind(profiles: Floats, blur_px: float) -> Edges:
 def vertex(before: Floats, at: Floats, after: Floats) -> Floats:
     """Where (N,) the parabola through three neighbouring values is lowest, in steps from the middle one; at most 1."""
     bend = before - 2 * at + after
-    return np.clip(0.5 * (before - after) / np.where(bend > 0, bend, np.inf), -1.0, 1.0)
+    return np.minimum(np.maximum(0.5 * (before - after) / np.where(bend > 0, bend, np.inf), -1.0), 1.0)
 
 
 def nearest_blur_px(blur_px: float) -> float:
@@ -118,7 +118,7 @@ def _explained(profiles: Floats) -> NDArray[np.float32]:
 @dataclass(frozen=True, eq=False)
 class _Model:
     """What a profile may show less its mean, for each of E places of the edge: first, second: (M, E), orthonormal
-    bases; solve: (E, 3), by which a profile's components a, b give its step, solve[0] a + solve[1] b, and its
+    bases; solve: (3, E), by which a profile's components a, b give its step, solve[0] a + solve[1] b, and its
     shading over all of the inside, solve[2] b."""
 
     first: Floats
@@ -137,7 +137,7 @@ def _model(blur_px: float) -> _Model:
         bases.append(basis)
         solve.append(np.linalg.inv(triangle)[[0, 0, 1], [0, 1, 1]])
     first, second = np.stack(bases, axis=2).transpose(1, 0, 2)
-    return _Model(first, second, np.stack(solve))
+    return _Model(first, second, np.stack(solve, axis=1))
 
 
 @lru_cache(maxsize=1)

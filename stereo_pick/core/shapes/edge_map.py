@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Bools, Floats, Image
+from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.objects.edge_model import BLURS_PX, nearest_blur_px
 from stereo_pick.core.objects.outline import upper_median
+from stereo_pick.core.sampling import remapped
 
 USUAL_BLUR_PX = 0.85  # of a lens, with the rectification
 _SURELY_OTHER = 1.2  # factor: the blurs that sharp views show differ by as much
@@ -24,7 +24,6 @@ _CLEAR = 5.0  # sigmas of the gradient from which it is an edge
 _STEP_PX = 0.5
 _SAMPLED = 4  # every so many pixels for the noise
 _LEAST_NOISE = 0.1  # grey levels a pixel: rounding alone
-_CHUNK = 16000  # remap takes no longer rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,35 +55,28 @@ class EdgeMap:
         """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line."""
         low, slopes = self._slopes_around(points_px, reach_px)
         reach = np.arange(-reach_px, reach_px + _STEP_PX / 2, _STEP_PX)
-        parts = [slice(i, i + _CHUNK) for i in range(0, len(points_px), _CHUNK)]
-        strength = [_across(slopes, points_px[part] - low, normals[part], reach) for part in parts]
-        return np.asarray(np.concatenate(strength) > _CLEAR * self.noise)
+        return np.asarray(_across(slopes, points_px - low, normals, reach) > _CLEAR * self.noise)
 
     def slopes(self, points_px: Floats) -> Floats:
         """How steep grey levels are along x and y (N, M, 2) [grey levels/px] at points (N, M, 2) near each other."""
         low, slopes = self._slopes_around(points_px.reshape(-1, 2), 0.0)
-        u, v = np.moveaxis((points_px - low).astype(np.float32), -1, 0)
-        return np.stack([cv2.remap(slope, u, v, cv2.INTER_LINEAR).astype(np.float64) for slope in slopes], axis=-1)
+        return remapped(slopes, points_px - low, cv2.BORDER_CONSTANT).astype(np.float64)
 
-    def _slopes_around(
-        self, points_px: Floats, reach_px: float
-    ) -> tuple[NDArray[np.int64], list[NDArray[np.floating | np.integer]]]:
-        """The slopes along x and y (h, w) of the part of the view around points (N, 2), and its first pixel (2,)."""
+    def _slopes_around(self, points_px: Floats, reach_px: float) -> tuple[Ints, NDArray[np.float32]]:
+        """The first pixel (2,) of the part of the view around points (N, 2), and its slopes along x and y (h, w, 2)."""
         height, width = self.image.shape
         margin_px = reach_px + 1 + len(_SMOOTH) // 2
         low = np.clip(np.floor(points_px.min(axis=0) - margin_px).astype(np.int64), 0, (width - 1, height - 1))
         high = np.maximum(np.ceil(points_px.max(axis=0) + margin_px).astype(np.int64), low) + 1
         around = self.image[low[1] : high[1], low[0] : high[0]]
-        return low, [cv2.sepFilter2D(around, cv2.CV_32F, *way) for way in ((_SLOPE, _SMOOTH), (_SMOOTH, _SLOPE))]
+        along = [cv2.sepFilter2D(around, cv2.CV_32F, *way) for way in ((_SLOPE, _SMOOTH), (_SMOOTH, _SLOPE))]
+        return low, np.asarray(cv2.merge(along), np.float32)
 
 
-def _across(
-    slopes: Sequence[NDArray[np.floating | np.integer]], points_px: Floats, normals: Floats, reach_px: Floats
-) -> Floats:
-    """How steep (N,) grey levels whose slopes along x and y (h, w) are known are across normals (N, 2), at most."""
+def _across(slopes: NDArray[np.float32], points_px: Floats, normals: Floats, reach_px: Floats) -> Floats:
+    """How steep (N,) grey levels of known slopes along x and y (h, w, 2) are across normals (N, 2), at most."""
     points, across, reach = (each.astype(np.float32) for each in (points_px, normals, reach_px))
-    u, v = (points[:, axis, None] + reach * across[:, axis, None] for axis in (0, 1))
-    x, y = (cv2.remap(slope, u, v, cv2.INTER_LINEAR) for slope in slopes)
-    slope = x * across[:, :1] + y * across[:, 1:]
+    along_axes = remapped(slopes, points[:, None] + reach[:, None] * across[:, None], cv2.BORDER_CONSTANT)
+    slope = along_axes[..., 0] * across[:, :1] + along_axes[..., 1] * across[:, 1:]
     along = cv2.blur(slope, (1, 3), borderType=cv2.BORDER_REPLICATE)  # an edge goes on beside the point
     return np.asarray(np.abs(along).max(axis=1), np.float64)
