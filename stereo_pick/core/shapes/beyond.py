@@ -46,4 +46,4 @@ def _shown(polygon: Floats, view: EdgeMap, contour: Contour) -> float:
     beyond = (inside < -_BEYOND_PX) & own[nearest]
     if beyond.sum() < _FEWEST:
         return 1.0
-    return float(view.shows(pixels, normals, _REACH_PX)[beyond].mean())
+    return float(view.shows(pixels, normals, _REACH_PX, beyond)[beyond].mean())

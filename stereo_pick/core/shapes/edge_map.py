@@ -51,11 +51,22 @@ class EdgeMap:
         along_rows = cv2.sepFilter2D(image, cv2.CV_32F, _SLOPE, _SMOOTH)[::_SAMPLED, ::_SAMPLED]
         return EdgeMap(image, max(1.4826 * upper_median(np.abs(along_rows).ravel()), _LEAST_NOISE), camera, blur_px)
 
-    def shows(self, points_px: Floats, normals: Floats, reach_px: float) -> Bools:
-        """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line."""
-        low, slopes = self._slopes_around(points_px, reach_px)
-        reach = np.arange(-reach_px, reach_px + _STEP_PX / 2, _STEP_PX)
-        return np.asarray(_across(slopes, points_px - low, normals, reach) > _CLEAR * self.noise)
+    def shows(self, points_px: Floats, normals: Floats, reach_px: float, asked: Bools | None = None) -> Bools:
+        """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line.
+
+        asked: (N,), of which points that is asked; of all, unless given. False for the others.
+        """
+        asked = np.ones(len(points_px), bool) if asked is None else asked
+        shown = asked.copy()
+        beside = np.flatnonzero(np.convolve(asked, np.ones(3), "same"))  # an edge goes on beside the point
+        if len(beside):
+            low, slopes = self._slopes_around(points_px[beside], reach_px)
+            reach = np.arange(-reach_px, reach_px + _STEP_PX / 2, _STEP_PX)
+            across = np.zeros((len(points_px), len(reach)), np.float32)
+            across[beside] = _across(slopes, points_px[beside] - low, normals[beside], reach)
+            along = cv2.blur(across, (1, 3), borderType=cv2.BORDER_REPLICATE)[asked]
+            shown[asked] = np.asarray(np.abs(along).max(axis=1), np.float64) > _CLEAR * self.noise
+        return shown
 
     def slopes(self, points_px: Floats) -> Floats:
         """How steep grey levels are along x and y (N, M, 2) [grey levels/px] at points (N, M, 2) near each other."""
@@ -73,10 +84,9 @@ class EdgeMap:
         return low, np.asarray(cv2.merge(along), np.float32)
 
 
-def _across(slopes: NDArray[np.float32], points_px: Floats, normals: Floats, reach_px: Floats) -> Floats:
-    """How steep (N,) grey levels of known slopes along x and y (h, w, 2) are across normals (N, 2), at most."""
+def _across(slopes: NDArray[np.float32], points_px: Floats, normals: Floats, reach_px: Floats) -> NDArray[np.float32]:
+    """How steep (N, M) grey levels of known slopes along x and y (h, w, 2) are across normals (N, 2), so far (M,) along
+    them."""
     points, across, reach = (each.astype(np.float32) for each in (points_px, normals, reach_px))
     along_axes = remapped(slopes, points[:, None] + reach[:, None] * across[:, None], cv2.BORDER_CONSTANT)
-    slope = along_axes[..., 0] * across[:, :1] + along_axes[..., 1] * across[:, 1:]
-    along = cv2.blur(slope, (1, 3), borderType=cv2.BORDER_REPLICATE)  # an edge goes on beside the point
-    return np.asarray(np.abs(along).max(axis=1), np.float64)
+    return np.asarray(along_axes[..., 0] * across[:, :1] + along_axes[..., 1] * across[:, 1:], np.float32)

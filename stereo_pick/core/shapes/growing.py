@@ -107,12 +107,12 @@ def _shown(
     if occluders is not None:
         fresh &= ~occluders.hide(solids, points, side)
     far = fresh & (distance_px > _FAR * distance_px.max(axis=1, keepdims=True))
-    pixels = points * focal + view.camera.P[:2, 2]
-    on_edge = view.shows(pixels.reshape(-1, 2), normals.reshape(-1, 2), look.reach_px)
-    shown = on_edge.reshape(fresh.shape) & fresh
-    total, found = fresh.sum(axis=1), shown.sum(axis=1)
-    ends = (shown & far).sum(axis=1) / np.maximum(far.sum(axis=1), 1)
+    pixels, total = points * focal + view.camera.P[:2, 2], fresh.sum(axis=1)
     enough = total * _POINTS_TO_SEE >= look.points
+    asked = (fresh & enough[:, None]).ravel()
+    shown = view.shows(pixels.reshape(-1, 2), normals.reshape(-1, 2), look.reach_px, asked).reshape(fresh.shape)
+    found = shown.sum(axis=1)
+    ends = (shown & far).sum(axis=1) / np.maximum(far.sum(axis=1), 1)
     return np.where(enough, np.minimum(found / np.maximum(total, 1), ends), 0.0), found
 
 

@@ -41,8 +41,10 @@ def inside(points: Floats, corners: Floats) -> Floats:
     ahead = np.concatenate([corners[:, 1:], corners[:, :1]], axis=1) - corners
     length = np.sqrt(dot(ahead, ahead))
     inward = np.stack([-ahead[..., 1], ahead[..., 0]], axis=2) / np.maximum(length, 1e-12)[..., None]
-    off = points @ inward.transpose(0, 2, 1) - dot(inward, corners)[:, None]
-    return np.asarray(np.where(length[:, None] > 1e-9, off, np.inf).min(axis=2))
+    at = np.where(length > 1e-9, dot(inward, corners), -np.inf)  # what has no length is no side
+    off = points @ inward.transpose(0, 2, 1)
+    off -= at[:, None]
+    return np.asarray(off.min(axis=2))
 
 
 def along_polygon(corners: Floats, count: int) -> tuple[Floats, Floats]:
