@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +30,7 @@ class StereoRig:
     right: Camera
 
     def __post_init__(self) -> None:
-        check_baseline(extrinsics(self.left, self.right))
+        check_baseline(self.right_T_left)
         left, right = self.left.P, self.right.P
         if not np.allclose(left[1, 1:3], right[1, 1:3], rtol=1e-4) or abs(right[1, 3]) > 1e-6 * abs(right[0, 3]):
             raise CalibrationError(
@@ -70,7 +71,7 @@ class StereoRig:
         """Focal length of the rectified cameras [px]."""
         return float(self.left.P[0, 0])
 
-    @property
+    @cached_property
     def right_T_left(self) -> Transform:
         """From the left to the right camera's (raw) optical frame: `X_R = R X_L + T` [m].
 

@@ -12,7 +12,7 @@ from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes.hypotheses import Images
-from stereo_pick.core.shapes.predicted import inside, silhouettes
+from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
@@ -22,7 +22,7 @@ _CLEAR_PX = 3.0  # ... by so much
 
 def goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
     """Whether the object of these outlines seems to be more than the solid."""
-    polygons = silhouettes(fit.solid, images.eyes_m)[0]
+    polygons = fit.silhouettes(images.rig)
     cameras = images.rig.left, images.rig.right
     return any(_shows_more(*each) for each in zip(blobs, cameras, polygons))
 
@@ -33,7 +33,7 @@ def is_seen_alone(unread: Unread, fit: SolidFit, images: Images) -> bool:
     if blob is None:
         return False
     side = 0 if unread.left else 1
-    camera, polygon = (images.rig.left, images.rig.right)[side], silhouettes(fit.solid, images.eyes_m)[0, side]
+    camera, polygon = (images.rig.left, images.rig.right)[side], fit.silhouettes(images.rig)[side]
     return covers(fit, blob.centroid_px, camera) and not _shows_more(blob, camera, polygon)
 
 

@@ -29,7 +29,7 @@ from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.correspondence.window_planes import of_table, sigma_on_table_px
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.shapes.predicted import inside, silhouettes
+from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
@@ -82,15 +82,25 @@ class WarpedViews:
 
     def _beside(self, outline: Blob, solids: Sequence[SolidFit]) -> Bools:
         """Which windows (N,) an outline shows clear of the solids."""
-        seen, rig = self._seen, self.pair.rig
+        seen = self._seen
         column, row = seen.left.astype(int).T
         rest: Bools = ~clear_of_objects(seen.view, [outline], seen.scale, _SIDE_PX, _SIDE_PX)[row, column]
-        left, right = _at_full_size(seen.left, seen.scale), _at_full_size(seen.right, seen.scale)
         for fit in solids:
-            polygons = silhouettes(fit.solid, rig.eyes_m)[0]
-            rest &= _are_clear(left, rig.left, polygons[0], seen.scale)
-            rest &= _are_clear(right, rig.right, polygons[1], seen.scale)
+            rest &= self._clear_of(fit)
         return rest
+
+    @cached_property
+    def _clear(self) -> dict[SolidFit, Bools]:
+        return {}
+
+    def _clear_of(self, fit: SolidFit) -> Bools:
+        """Which windows (N,) are clear of a solid in both views."""
+        if fit not in self._clear:
+            seen, rig = self._seen, self.pair.rig
+            sides = zip((seen.left, seen.right), (rig.left, rig.right), fit.silhouettes(rig))
+            left, right = (_are_clear(*side, seen.scale) for side in sides)
+            self._clear[fit] = left & right
+        return self._clear[fit]
 
     @cached_property
     def _seen(self) -> _Seen:
@@ -114,6 +124,7 @@ def _at_full_size(points_px: Floats, scale: float) -> Floats:
 
 
 def _are_clear(points_px: Floats, camera: Camera, polygon: Floats, scale: float) -> Bools:
-    """Which places (N, 2) of a view are clear of a silhouette (K, 2), normalized."""
-    away_px = -inside(normalized(points_px, camera)[None], polygon[None])[0] * camera.P[0, 0] * scale
+    """Which places (N, 2) of a reduced view are clear of a silhouette (K, 2), normalized."""
+    places = normalized(_at_full_size(points_px, scale), camera)
+    away_px = -inside(places[None], polygon[None])[0] * camera.P[0, 0] * scale
     return np.asarray(away_px > _CLEAR_PX, np.bool_)

@@ -9,7 +9,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats, Ints
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.predicted import inside, silhouettes
+from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 
@@ -32,7 +32,7 @@ class Occluders:
     @staticmethod
     def of(fits: Sequence[SolidFit], rig: StereoRig) -> Occluders:
         """These solids (at least one) as the cameras of the rig see them."""
-        polygons = [silhouettes(fit.solid, rig.eyes_m)[0] for fit in fits]
+        polygons = [fit.silhouettes(rig) for fit in fits]
         depth_m = np.array([fit.centre_m[2] for fit in fits])
         return Occluders(np.array(polygons), depth_m, rig.focal_px)
 

@@ -11,7 +11,9 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ArrayError
+from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.kinds import KINDS, SPHERE, Round
+from stereo_pick.core.shapes.predicted import silhouettes
 from stereo_pick.core.shapes.solid_angle import centroid_px
 from stereo_pick.core.shapes.solids import Solids
 
@@ -75,8 +77,27 @@ class SolidFit:
         projected = camera.P @ np.append(self.centre_m, 1.0)
         return np.asarray(projected[:2] / projected[2])
 
+    @cached_property
+    def _silhouettes(self) -> dict[StereoRig, Floats]:
+        return {}
+
+    def silhouettes(self, rig: StereoRig) -> Floats:
+        """Its outlines (2, M, 2), normalized, in both views of its rig, as `predicted.silhouettes` has them."""
+        if rig not in self._silhouettes:
+            self._silhouettes[rig] = silhouettes(self.solid, rig.eyes_m)[0]
+        return self._silhouettes[rig]
+
+    @cached_property
+    def _silhouettes_px(self) -> dict[Camera, Floats]:
+        return {}
+
     def silhouette_px(self, camera: Camera) -> Floats:
         """Its outline (M, 2) [px] in a rectified camera of its rig, a convex polygon."""
+        if camera not in self._silhouettes_px:
+            self._silhouettes_px[camera] = self._silhouette_px(camera)
+        return self._silhouettes_px[camera]
+
+    def _silhouette_px(self, camera: Camera) -> Floats:
         focal, middle = camera.P[[0, 1], [0, 1]], camera.P[:2, 2]
         eye = np.array([[-camera.P[0, 3] / focal[0], -camera.P[1, 3] / focal[1], 0.0]])
         solid = self.solid
