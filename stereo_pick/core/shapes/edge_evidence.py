@@ -23,7 +23,7 @@ from stereo_pick.core.shapes.occluders import Hide, share_seen
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.refinement import robust_scale
 from stereo_pick.core.shapes.residuals import residuals
-from stereo_pick.core.shapes.sight import Sight, turning
+from stereo_pick.core.shapes.sight import turning
 from stereo_pick.core.shapes.solids import Solids
 
 _POINTS = 120  # of a silhouette
@@ -104,8 +104,8 @@ def _silhouettes(
     solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig, hide: Hide | None
 ) -> tuple[EdgeRows, Bools]:
     """Their edges, and which points (S, 2, N) of them are hidden."""
-    outlines, offsets, _ = edges_beside(corners, views, _POINTS, hide=hide)
-    sight = Sight.of(outlines, rig)
+    beside = edges_beside(corners, views, _POINTS, hide=hide)
+    sight = beside.sight(rig)
     residual, jacobian = residuals(sight, solids, nearest_tangents(sight, solids))
     ahead = np.diff(sight.points, axis=2, append=sight.points[:, :, :1]) * rig.focal_px
     around_px = np.median(np.sqrt(dot(ahead, ahead)), axis=2)
@@ -113,7 +113,7 @@ def _silhouettes(
     weight = sight.weight.reshape(residual.shape)
     by_turns = np.zeros((*residual.shape, 2))
     by_turns[:, _POINTS:] = _turning_px(sight.points[:, 1], sight.normals[:, 1], rig.focal_px)
-    return EdgeRows(residual, np.concatenate([jacobian, by_turns], axis=2), weight, length_px), np.isnan(offsets)
+    return EdgeRows(residual, np.concatenate([jacobian, by_turns], axis=2), weight, length_px), beside.hidden
 
 
 def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:

@@ -34,9 +34,11 @@ def shadow_px(image: Image, edges_px: Floats, inwards: Floats, step: Floats, noi
     row = np.arange(len(levels))
     darkest = levels[:, :_DARKEST].argmin(axis=1)
     behind = levels[row[:, None], darkest[:, None] + _BEHIND]
-    lighter = np.median(behind[:, -3:], axis=1) - behind[:, 0]
-    slope = np.diff(behind, axis=1)
-    steepest = np.clip(slope.argmax(axis=1), 1, slope.shape[1] - 2)
-    part = np.clip(vertex(*(-slope[row, steepest + k] for k in (-1, 0, 1))), -0.5, 0.5)
+    one, two, three = behind[:, -3:].T
+    median = np.maximum(np.minimum(one, two), np.minimum(np.maximum(one, two), three))
+    lighter = median - behind[:, 0]
+    slope = behind[:, 1:] - behind[:, :-1]
+    steepest = np.minimum(np.maximum(slope.argmax(axis=1), 1), slope.shape[1] - 2)
+    part = np.minimum(np.maximum(vertex(*(-slope[row, steepest + k] for k in (-1, 0, 1))), -0.5), 0.5)
     width_px = (darkest + steepest + 0.5 + part) * _STEP_PX
     return np.where(lighter > np.maximum(_CLEAR * noise, _OF_STEP * step), width_px, 0.0)

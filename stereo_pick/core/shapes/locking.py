@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from stereo_pick.core.sampling import sampled
 from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
 from stereo_pick.core.shapes.foot import shadow_px
 from stereo_pick.core.shapes.occluders import Occluders, share_seen
-from stereo_pick.core.shapes.outline import POINTS, Outline
+from stereo_pick.core.shapes.outline import POINTS
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
 from stereo_pick.core.shapes.sight import Sight
@@ -59,15 +60,34 @@ def lock(
         corners = silhouettes(solids, rig.eyes_m)
         shifts_px = _SHIFTS_PX if round_ == 0 else (0.0,)
         hide = partial(occluders.hide, solids) if occluders else None
-        outlines, offsets, sigmas = edges_beside(corners, views, POINTS, shifts_px, hide)
-        sight = Sight.of(outlines, rig, table)
+        beside = edges_beside(corners, views, POINTS, shifts_px, hide)
+        sight = beside.sight(rig, table)
         now = fitted(sight, solids)
         held = np.flatnonzero(sight.weight.sum(axis=2).min(axis=1) >= _LEAST_HELD)
         if round_ == _ROUNDS or not len(held):
             break
         solids = solids.replaced(held, refine(sight.only(held), now.only(held), rounds=3).solids)
-    shown = share_seen(offsets < ON_EDGE_PX, np.isnan(offsets))
-    return Locked(now, shown, sigmas.reshape(len(sigmas), -1))
+    shown = share_seen(beside.off_px < ON_EDGE_PX, beside.hidden)
+    return Locked(now, shown, beside.sigma_px.reshape(len(shown), -1))
+
+
+class Beside(NamedTuple):
+    """The edges next to N points of each silhouette in both views.
+
+    points_px, normals: (S, 2, N, 2); trust: (S, 2, N); off_px: (S, 2, N), how far they lie off the silhouette, infinite
+    where there is none; sigma_px: (S, 2, N); hidden: (S, 2, N), where an edge would be.
+    """
+
+    points_px: Floats
+    normals: Floats
+    trust: Floats
+    off_px: Floats
+    sigma_px: Floats
+    hidden: Bools
+
+    def sight(self, rig: StereoRig, table: Table | None = None) -> Sight:
+        """The edges as outlines without corners."""
+        return Sight.of_points(self.points_px, self.normals, self.trust, np.ones(self.trust.shape), rig, table)
 
 
 def edges_beside(
@@ -76,9 +96,8 @@ def edges_beside(
     points: int,
     shifts_px: Sequence[float] = (0.0,),
     hide: Callable[[Floats, int], Bools] | None = None,
-) -> tuple[list[tuple[Outline, Outline]], Floats, Floats]:
-    """The edges next to so many points of silhouettes (S, 2, K, 2), as outlines; how far (S, 2, N) [px] they lie off,
-    infinite where there is none, not a number where it would be hidden; and their sigmas (S, 2, N) [px].
+) -> Beside:
+    """The edges next to so many points of silhouettes (S, 2, K, 2).
 
     shifts_px: where along each normal they are looked for; hide: which places (S, N, 2), normalized, of a view are
     hidden (S, N).
@@ -87,17 +106,15 @@ def edges_beside(
         each.reshape(*corners.shape[:2], points, 2)
         for each in along_polygon(corners.reshape(-1, *corners.shape[2:]), points)
     )
-    outlines, offsets, sigmas = [], [], []
+    sides = []
     for i, view in enumerate(views):
         pixels, across = places[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
         offset, weight, sigma = _edges_near(view, pixels, across, shifts_px)
         hidden = hide(places[:, i], i) if hide else np.zeros(weight.shape, bool)
         weight[hidden] = 0.0
-        edges = pixels - offset[..., None] * across
-        outlines.append([Outline(*side, np.zeros(points)) for side in zip(edges, across, weight)])
-        sigmas.append(sigma)
-        offsets.append(np.where(hidden, np.nan, np.where(weight > 0, np.abs(offset), np.inf)))
-    return list(zip(*outlines)), np.stack(offsets, axis=1), np.stack(sigmas, axis=1)
+        off = np.where(weight > 0, np.abs(offset), np.inf)
+        sides.append((pixels - offset[..., None] * across, across, weight, off, sigma, hidden))
+    return Beside(*(np.stack(each, axis=1) for each in zip(*sides)))
 
 
 def _edges_near(

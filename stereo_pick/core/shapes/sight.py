@@ -40,11 +40,18 @@ class Sight:
     @staticmethod
     def of(pairs: Sequence[tuple[Outline, Outline]], rig: StereoRig, table: Table | None = None) -> Sight:
         """The outlines (left, right) of at least one object; all of as many points."""
-        cameras = (rig.left, rig.right)
-        points = np.array([[normalized(side.points_px, lens) for side, lens in zip(pair, cameras)] for pair in pairs])
-        normals = np.array([[side.normals for side in pair] for pair in pairs])
-        weight = np.array([[side.weight for side in pair] for pair in pairs])
-        smooth = np.array([[1 - side.corner for side in pair] for pair in pairs])
+        points_px, normals, weight, corner = (
+            np.array([[getattr(side, name) for side in pair] for pair in pairs])
+            for name in ("points_px", "normals", "weight", "corner")
+        )
+        return Sight.of_points(points_px, normals, weight, 1 - corner, rig, table)
+
+    @staticmethod
+    def of_points(
+        points_px: Floats, normals: Floats, weight: Floats, smooth: Floats, rig: StereoRig, table: Table | None = None
+    ) -> Sight:
+        """Of points (O, 2, N, 2) [px] and what belongs to them."""
+        points = np.stack([normalized(points_px[:, i], lens) for i, lens in enumerate((rig.left, rig.right))], axis=1)
         low, high = points.min(axis=2), points.max(axis=2)
         middle, half = (low + high) / 2, (high - low) / 2
         depth = rig.baseline_m / np.maximum(middle[:, 0, 0] - middle[:, 1, 0], 1e-6)
@@ -89,5 +96,5 @@ def turning(points: Floats) -> tuple[Floats, Floats]:
 
 
 def normalized(points_px: Floats, camera: Camera) -> Floats:
-    """Points (N, 2) of a rectified view as directions (N, 2), the third component of which is 1."""
+    """Points (..., 2) of a rectified view as directions (..., 2), the third component of which is 1."""
     return np.asarray((points_px - camera.P[:2, 2]) / camera.P[[0, 1], [0, 1]])
