@@ -45,7 +45,7 @@ def _of_cones(sight: Sight, solids: Solids) -> Tangents:
     sine = np.minimum(solids.half_m[:, None, None] / distance, 0.99)
     planes = across * np.sqrt(1 - sine * sine) - ahead * sine
     touched = solids.kind.touch(planes.reshape(len(planes), -1, 3) @ solids.rotation, solids.half_m)
-    return Tangents(_unit(planes[..., :2]), touched)
+    return Tangents.of(sight, solids, _unit(planes[..., :2]), touched)
 
 
 def _of_edges(sight: Sight, solids: Solids, kind: Prism) -> Tangents:
@@ -64,7 +64,7 @@ def _of_edges(sight: Sight, solids: Solids, kind: Prism) -> Tangents:
     sides[..., 6:] = touched[:, None]
     sides = np.concatenate([sides, sides], axis=2)
     sides[..., :3] = np.concatenate([lines, opposite], axis=2)
-    return Tangents(*_furthest(sight, sides))
+    return Tangents.of(sight, solids, *_furthest(sight, sides))
 
 
 class _Polygon(NamedTuple):
@@ -99,7 +99,7 @@ def _of_curves(sight: Sight, solids: Solids, kind: Round) -> Tangents:
     sides[..., 6:9] = horizon
     sides[..., 9:] = horizon[:, :, _NEXT] - horizon
     normals, touched = _furthest(sight, sides)
-    return Tangents(normals, kind.onto(touched, solids.half_m))
+    return Tangents.of(sight, solids, normals, kind.onto(touched, solids.half_m))
 
 
 def _of_tubes(sight: Sight, solids: Solids) -> Tangents:
@@ -112,7 +112,7 @@ def _of_tubes(sight: Sight, solids: Solids) -> Tangents:
     side = dot(off, off).argmin(axis=3)[..., None]
     begin, end, normals = (np.take_along_axis(each, side, axis=2) for each in (horizon, horizon[:, :, _NEXT], normals))
     touched = begin + np.take_along_axis(share, side, axis=3) * (end - begin)
-    return Tangents(normals, TUBE.onto(touched.reshape(len(touched), -1, 3), solids.half_m))
+    return Tangents.of(sight, solids, normals, TUBE.onto(touched.reshape(len(touched), -1, 3), solids.half_m))
 
 
 def _furthest(sight: Sight, sides: Floats) -> tuple[Floats, Floats]:

@@ -13,19 +13,27 @@ from stereo_pick.core.shapes.solids import Solids
 
 
 class Tangents(NamedTuple):
-    """Lines in the images that touch the solids: one for each point of the outlines.
+    """Planes through the cameras that touch the solids: one for each point of the outlines.
 
-    normals: (S, 2, N, 2), outward; touched: (S, 2N, 3) [m], where the solids are touched, in their own axes.
+    planes: (S, 2N, 3), their normals, outward in the images; in the solids' own axes, own: (S, 2N, 3), the same, and
+    touched: (S, 2N, 3) [m], where the solids are touched.
     """
 
-    normals: Floats
+    planes: Floats
+    own: Floats
     touched: Floats
+
+    @staticmethod
+    def of(sight: Sight, solids: Solids, normals: Floats, touched: Floats) -> Tangents:
+        """Those whose lines in the images have these normals (S, 2, N, 2)."""
+        planes = tangent_planes(sight.points, normals).reshape(len(normals), -1, 3)
+        return Tangents(planes, planes @ solids.rotation, touched)
 
 
 def own_tangents(sight: Sight, solids: Solids) -> Tangents:
     """The tangents with the outlines' own normals: cheap, and right where a solid is far from its place."""
-    planes = tangent_planes(sight.points, sight.normals).reshape(len(sight.points), -1, 3)
-    return Tangents(sight.normals, solids.kind.touch(planes @ solids.rotation, solids.half_m))
+    own = sight.planes @ solids.rotation
+    return Tangents(sight.planes, own, solids.kind.touch(own, solids.half_m))
 
 
 def residuals(sight: Sight, solids: Solids, tangents: Tangents) -> tuple[Floats, Floats]:
@@ -35,18 +43,15 @@ def residuals(sight: Sight, solids: Solids, tangents: Tangents) -> tuple[Floats,
     object for each solid. To first order the distance is that of the touching plane, at the object's depth. A tangent
     that touches along a whole side is moved by what lies next to the point, not by the side's end.
     """
-    views = tangent_planes(sight.points, tangents.normals)
-    past_centre = dot(views, solids.seen_from(sight.eyes_m)).reshape(len(views), -1)
-    planes = views.reshape(len(views), -1, 3)
-    own = planes @ solids.rotation
+    planes, own, touched = tangents
+    past_centre = dot(planes.reshape(len(planes), 2, -1, 3), solids.seen_from(sight.eyes_m)).reshape(len(planes), -1)
     scale = (sight.focal_px / solids.centre_m[:, 2])[:, None]
-    grown = tangents.touched * own
-    residual = scale * (past_centre + dot(tangents.touched, own))
+    residual = scale * (past_centre + dot(touched, own))
     turning = solids.turns.shape[2]
     jacobian = np.empty((*residual.shape, 3 + turning + solids.kind.sizes))
     jacobian[..., :3] = planes
     if turning:
-        jacobian[..., 3 : 3 + turning] = cross(tangents.touched, own) @ solids.turns
-    jacobian[..., 3 + turning :] = grown @ (solids.kind.shares / solids.half_m[:, None])
+        jacobian[..., 3 : 3 + turning] = cross(touched, own) @ solids.turns
+    jacobian[..., 3 + turning :] = (touched * own) @ (solids.kind.shares / solids.half_m[:, None])
     jacobian *= scale[..., None]
     return residual, jacobian

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,11 @@ class Sight:
         radius = half.mean(axis=(1, 2)) * depth
         centre = np.stack([x, y, depth], axis=1)
         return Sight(points, normals, weight, 1 - weight, smooth, rig.eyes_m, rig.focal_px, centre, radius, table)
+
+    @cached_property
+    def planes(self) -> Floats:
+        """Those (O, 2N, 3) through the cameras and the outlines: see `tangent_planes`."""
+        return tangent_planes(self.points, self.normals).reshape(len(self.points), -1, 3)
 
     def only(self, objects: Ints) -> Sight:
         """The same of these objects alone."""

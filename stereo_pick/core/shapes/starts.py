@@ -9,9 +9,8 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints, frozen
-from stereo_pick.core.shapes.kinds import BOX, HEX_PRISM, Kind
+from stereo_pick.core.shapes.kinds import BOX, HEX_PRISM, Kind, dot
 from stereo_pick.core.shapes.refinement import firmly_on
-from stereo_pick.core.shapes.residuals import own_tangents, residuals
 from stereo_pick.core.shapes.sight import Sight
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
@@ -33,42 +32,58 @@ def starts(sight: Sight, kind: Kind, keep: int) -> tuple[Ints, Solids]:
     costs one small linear system and no iteration. On a table, solids stand or lie.
     """
     rotations, turns = orientations(kind, sight.table)
+    solids, misfit = _solved(sight, kind, rotations)
+    best = np.argsort(misfit, axis=1)[:, :keep]
+    chosen = (best + len(rotations) * np.arange(len(best))[:, None]).ravel()
+    likely = replace(solids.only(chosen), turns=turns[best.ravel()])
+    objects = np.repeat(np.arange(len(best)), best.shape[1])
+    return objects, sight.table.put_down(likely) if sight.table else likely
+
+
+def _solved(sight: Sight, kind: Kind, rotations: Floats) -> tuple[Solids, Floats]:
+    """Solids that cannot turn with the centres and half sizes that fit best, one of each of G orientations for every
+    one of O objects, and their mean misfits (O, G) [px]."""
     count, grid = len(sight.points), len(rotations)
-    objects = np.repeat(np.arange(count), grid)
-    solids = Solids(
+    first = Solids(
         kind,
-        sight.centre_m[objects],
+        np.repeat(sight.centre_m, grid, axis=0),
         np.tile(rotations, (count, 1, 1)),
-        np.repeat(sight.radius_m[objects, None], kind.sizes, axis=1),
+        np.repeat(np.repeat(sight.radius_m, grid)[:, None], kind.sizes, axis=1),
         np.empty((count * grid, 3, 0)),
     )
-    solids, misfit = _solved(sight.only(objects), solids)
-    best = np.argsort(misfit.reshape(count, grid), axis=1)[:, :keep]
-    chosen = (best + grid * np.arange(count)[:, None]).ravel()
-    return objects[chosen], replace(solids.only(chosen), turns=turns[best.ravel()])
-
-
-def _solved(sight: Sight, solids: Solids) -> tuple[Solids, Floats]:
-    """The solids, that cannot turn, with the centre and half sizes that fit best, and their mean misfit (S,) [px]."""
-    weight = sight.weight.reshape(len(sight.weight), -1)
-    residual, linear = residuals(sight, solids, own_tangents(sight, solids))
-    weighted = (linear * weight[..., None]).transpose(0, 2, 1)
-    normal = weighted @ linear
-    loose = np.zeros(normal.shape[1])
-    loose[3:] = _LOOSE
-    diagonal = np.einsum("sii->si", normal)
-    normal = normal + (diagonal * loose**2 + 1e-9)[..., None] * np.eye(len(loose))
-    pull = weighted @ residual[..., None]
+    linear, residual = _linear(sight, kind, rotations)
+    weight = sight.weight.reshape(count, 1, -1)
+    weighted = (linear * weight[..., None]).transpose(0, 1, 3, 2)
+    normal, pull = (
+        (weighted @ each).reshape(count * grid, linear.shape[3], -1) for each in (linear, residual[..., None])
+    )
+    diagonal = np.einsum("sii->si", normal)  # a view
+    diagonal += diagonal * np.repeat([0.0, _LOOSE**2], [3, kind.sizes]) + 1e-9
     if sight.table:
-        stiff, pulled = firmly_on(sight.table, solids, sight.focal_px)
+        stiff, pulled = firmly_on(sight.table, first, sight.focal_px)
         normal, pull = normal + stiff, pull + pulled
     step = -np.linalg.solve(normal, pull)[..., 0]
-    half_m = np.maximum(solids.half_m + step[:, 3:], _LEAST_SIZE * sight.radius_m[:, None])
-    moved = Solids(solids.kind, solids.centre_m + step[:, :3], solids.rotation, half_m, solids.turns)
-    if sight.table:
-        moved = sight.table.put_down(moved)
-    left = residual + (linear @ np.concatenate([step[:, :3], half_m - solids.half_m], axis=1)[..., None])[..., 0]
-    return moved, (weight * np.abs(left)).sum(axis=1) / weight.sum(axis=1)
+    least_m = _LEAST_SIZE * np.repeat(sight.radius_m, grid)
+    half_m = np.maximum(first.half_m + step[:, 3:], least_m[:, None])
+    step[:, 3:] = half_m - first.half_m
+    left = residual + (linear @ step.reshape(count, grid, -1, 1))[..., 0]
+    solids = replace(first, centre_m=first.centre_m + step[:, :3], half_m=half_m)
+    return solids, (weight * np.abs(left)).sum(axis=2) / weight.sum(axis=2)
+
+
+def _linear(sight: Sight, kind: Kind, rotations: Floats) -> tuple[Floats, Floats]:
+    """What `residuals` has for the outlines' own normals, but turns: how far (O, G, 2N, 3 + sizes) [px/m] a centre and
+    half sizes move the silhouette, and how far (O, G, 2N) [px] it lies off where they are as large as they look."""
+    scale = sight.focal_px / sight.centre_m[:, 2]
+    planes = sight.planes * scale[:, None, None]
+    own = planes[:, None] @ rotations
+    touched = kind.touch(own.reshape(-1, *own.shape[2:]), np.ones((len(own) * len(rotations), kind.sizes)))
+    linear = np.empty((*own.shape[:3], 3 + kind.sizes))
+    linear[..., :3] = planes[:, None]
+    linear[..., 3:] = (touched.reshape(own.shape) * own) @ kind.shares
+    to_centre = sight.centre_m[:, None, None] - sight.eyes_m[:, None]
+    past_centre = dot(planes.reshape(len(planes), 2, -1, 3), to_centre).reshape(len(planes), 1, -1)
+    return linear, past_centre + linear[..., 3:].sum(axis=3) * sight.radius_m[:, None, None]
 
 
 def orientations(kind: Kind, table: Table | None, finer: int = 1) -> tuple[Floats, Floats]:
