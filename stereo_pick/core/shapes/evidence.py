@@ -52,8 +52,9 @@ def complaint(found: Fitted, noise_px: float) -> Floats:
     return np.asarray(arcs * (misfit_px(found, noise_px) / noise_px) ** 2 + parameters * np.log(arcs))
 
 
-def centre_covariance(found: Fitted, noise_px: float, table: Table | None = None) -> Floats:
-    """Covariance (S, 3, 3) [m²] of the centres, from the noise that the residuals show and the one assumed.
+def centre_covariance(found: Fitted, noise_px: Floats | float, table: Table | None = None) -> Floats:
+    """Covariance (S, 3, 3) [m²] of the centres, from the noise that the residuals show and the one assumed, of all or
+    of each (S,).
 
     Residuals are averaged over as many independent pieces as there are arcs; few of them remain beside the
     parameters, so the assumed noise is given a say.

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.beyond import Contour, shown_beyond
@@ -162,8 +162,8 @@ class Images:
                 alike.setdefault((solid.kind, solid.turns.shape[2]), []).append(solid)
         for several in alike.values():
             locked = lock(Solids.joined(several), self.maps, self.rig, table, self.occluders)
-            for i, solid in enumerate(several):
-                self._locked[solid, table] = _supported(locked, i, table, self.noise_px)
+            for solid, supported in zip(several, _supported(locked, table, self.noise_px)):
+                self._locked[solid, table] = supported
 
     def best(self, readings: Sequence[Pair]) -> Supported | None:
         """The solid with the most support among those that come near an object's outlines, and longer ones.
@@ -225,22 +225,28 @@ class Images:
         return False
 
 
-def _supported(locked: Locked, row: int, table: Table | None, noise_px: float) -> Supported:
-    fit = locked.fit.only(np.array([row]))
-    held = fit.weight[0] > 0
-    residual = np.abs(fit.residual_px[0, held])
-    noisier = np.hypot(1.0, locked.sigma_px[row, held] / noise_px)
-    median_px, off_px = (float(np.median(each)) if held.any() else np.inf for each in (residual, residual / noisier))
-    support = float(locked.shown[row].min())
-    known = np.isfinite(median_px)
-    covariance = centre_covariance(fit, max(noise_px, 1.5 * median_px), table)[0] if known else _UNKNOWN_M2
-    solids = fit.solids
-    result = SolidFit(
-        solids.kind.name, solids.centre_m[0], solids.rotation[0], solids.size_m()[0], median_px, covariance
-    )
-    fixed = bool(determined(fit, covariance[None])[0])
-    is_believable = fixed and carries(support, off_px, noise_px=noise_px)
-    return Supported(result, support, off_px, is_believable, noise_px=noise_px)
+def _supported(locked: Locked, table: Table | None, noise_px: float) -> Iterator[Supported]:
+    fit, solids, size_m = locked.fit, locked.fit.solids, locked.fit.solids.size_m()
+    residual, held = np.abs(fit.residual_px), fit.weight > 0
+    medians_px = _medians(residual, held)
+    offs_px = _medians(residual / np.hypot(1.0, locked.sigma_px / noise_px), held)
+    known = np.flatnonzero(np.isfinite(medians_px))
+    covariance = np.tile(_UNKNOWN_M2, (len(held), 1, 1))
+    covariance[known] = centre_covariance(fit.only(known), np.maximum(noise_px, 1.5 * medians_px[known]), table)
+    fixed = determined(fit, covariance)
+    for i, (support, median_px, off_px) in enumerate(
+        zip(locked.shown.min(axis=1).tolist(), medians_px.tolist(), offs_px.tolist())
+    ):
+        result = SolidFit(solids.kind.name, solids.centre_m[i], solids.rotation[i], size_m[i], median_px, covariance[i])
+        is_believable = bool(fixed[i]) and carries(support, off_px, noise_px=noise_px)
+        yield Supported(result, support, off_px, is_believable, noise_px=noise_px)
+
+
+def _medians(values: Floats, which: Bools) -> Floats:
+    """Of which (S, N) of the values (S, N), in each row; infinite where there is none."""
+    ordered, count, row = np.sort(np.where(which, values, np.inf), axis=1), which.sum(axis=1), np.arange(len(values))
+    low, high = ordered[row, np.maximum(count - 1, 0) // 2], ordered[row, count // 2]
+    return np.asarray((low + high) / 2)
 
 
 def carries(support: float, off_px: float, least: float = _SUPPORTED, noise_px: float = NOISE_PX) -> bool:
