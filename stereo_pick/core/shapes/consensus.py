@@ -8,6 +8,7 @@ and its half sizes, as is that it touches the table: each guess is one small lin
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -153,10 +154,11 @@ def _support(kind: Kind, directions: Floats) -> Floats:
 
 def _guesses(problem: _Problem, reach_m: float, draw: np.random.Generator) -> tuple[Ints, Floats]:
     """The orientations (S,) and the unknowns (S, 2 + sizes) of those guesses that are possible."""
-    grid, _, unknowns = problem.rows.shape
+    grid, edges, unknowns = problem.rows.shape
     found = np.flatnonzero(problem.found)
     chosen = found[draw.integers(0, len(found), (grid, _GUESSES, unknowns))]
-    matrix = problem.rows[np.arange(grid)[:, None, None], chosen]
+    first = np.arange(0, grid * edges, edges)[:, None, None]  # of each orientation's rows
+    matrix = problem.rows.reshape(-1, unknowns).take(first + chosen, axis=0)
     solvable = np.abs(np.linalg.det(matrix)) > _TINY
     which = np.repeat(np.arange(grid), _GUESSES).reshape(grid, -1)[solvable]
     solved = np.linalg.solve(matrix[solvable], problem.right_m[chosen[solvable]][..., None])[..., 0]
@@ -184,7 +186,8 @@ def _on_edge(problem: _Problem, which: Ints, unknowns: Floats) -> Floats:
 def _seen(on_edge: Floats) -> Floats:
     """The part (S,) of the rays, the least of both views, that cross one of these edges (S, E), the less the less
     exactly (MSAC: Torr and Zisserman 2000)."""
-    return np.asarray(on_edge.reshape(-1, 2, RAYS, PER_RAY).max(axis=3).mean(axis=2).min(axis=1))
+    left, right = reduce(np.maximum, np.moveaxis(on_edge.reshape(-1, 2, RAYS, PER_RAY), 3, 0)).mean(axis=2).T
+    return np.asarray(np.minimum(left, right))
 
 
 def _bettered(problem: _Problem, which: Ints, unknowns: Floats, on_edge: Floats) -> Floats:

@@ -21,6 +21,8 @@ _ENDS = np.array([1.0, -1.0])  # of what reaches along the third axis
 
 def dot(a: Floats, b: Floats) -> Floats:
     """Scalar products over the last axis."""
+    if a.shape[-1] == 2:  # several times as fast for many
+        return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
     return np.asarray(np.einsum("...i,...i->...", a, b))
 
 

@@ -40,7 +40,7 @@ def _of_cones(sight: Sight, solids: Solids) -> Tangents:
     to_centre = solids.seen_from(sight.eyes_m)
     distance = np.sqrt(dot(to_centre, to_centre))[..., None]
     ahead = to_centre / distance
-    rays = np.concatenate([sight.points, np.ones((*sight.points.shape[:3], 1))], axis=3)
+    rays = sight.rays
     across = _unit(rays - dot(rays, ahead)[..., None] * ahead)
     sine = np.minimum(solids.half_m[:, None, None] / distance, 0.99)
     planes = across * np.sqrt(1 - sine * sine) - ahead * sine
@@ -122,13 +122,13 @@ def _furthest(sight: Sight, sides: Floats) -> tuple[Floats, Floats]:
     sides: (S, 2, E, 12); of each, what gives with a ray its distance outside (3), and how far along the side it is
     (3), from 0 to 1; its beginning (3) and its way to the end (3) [m].
     """
-    rays = np.concatenate([sight.points, np.ones((*sight.points.shape[:3], 1))], axis=3)
+    rays = sight.rays
     side = (rays @ sides[..., :3].transpose(0, 1, 3, 2)).argmax(axis=3)
     solid, views, count, columns = sides.shape
     side += (np.arange(solid * views) * count).reshape(solid, views, 1)
     chosen = sides.reshape(-1, columns).take(side.reshape(solid, -1), axis=0)
-    share = np.clip(dot(chosen[..., 3:6], rays.reshape(solid, -1, 3)), 0, 1)[..., None]
-    touched = chosen[..., 6:9] + share * chosen[..., 9:]
+    share = np.minimum(np.maximum(dot(chosen[..., 3:6], rays.reshape(solid, -1, 3)), 0), 1)
+    touched = chosen[..., 6:9] + share[..., None] * chosen[..., 9:]
     return chosen[..., :2].reshape(sight.points.shape), touched
 
 

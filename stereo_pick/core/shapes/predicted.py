@@ -22,18 +22,13 @@ def silhouettes(solids: Solids, eyes_m: Floats) -> Floats:
     planes = np.empty((*centre.shape[:2], _DIRECTIONS, 3))
     cosine, sine = planes[..., 0], planes[..., 1] = np.cos(angles), np.sin(angles)
     u, v = (centre[..., axis] / centre[..., 2] for axis in (0, 1))
+    back = solids.rotation.transpose(0, 2, 1)
     for _ in range(3):
         planes[..., 2] = -(u * cosine + v * sine)
-        touched = _touched(solids, planes) + centre
+        own = planes.reshape(len(planes), -1, 3) @ solids.rotation
+        touched = (solids.kind.touch(own, solids.half_m) @ back).reshape(planes.shape) + centre
         u, v = touched[..., 0] / touched[..., 2], touched[..., 1] / touched[..., 2]
     return np.stack([u, v], axis=-1)
-
-
-def _touched(solids: Solids, planes: Floats) -> Floats:
-    """The solids' points (S, E, N, 3) [m], relative to their centres, that lie furthest in such directions."""
-    own = planes.reshape(len(planes), -1, 3) @ solids.rotation
-    touched = solids.kind.touch(own, solids.half_m) @ solids.rotation.transpose(0, 2, 1)
-    return np.asarray(touched.reshape(planes.shape))
 
 
 def inside(points: Floats, corners: Floats) -> Floats:

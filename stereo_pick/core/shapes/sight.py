@@ -62,6 +62,11 @@ class Sight:
         return Sight(points, normals, weight, 1 - weight, smooth, rig.eyes_m, rig.focal_px, centre, radius, table)
 
     @cached_property
+    def rays(self) -> Floats:
+        """Those (O, 2, N, 3) through the points."""
+        return np.concatenate([self.points, np.ones((*self.points.shape[:3], 1))], axis=3)
+
+    @cached_property
     def planes(self) -> Floats:
         """Those (O, 2N, 3) through the cameras and the outlines: see `tangent_planes`."""
         return tangent_planes(self.points, self.normals).reshape(len(self.points), -1, 3)
