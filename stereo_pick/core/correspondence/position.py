@@ -134,9 +134,14 @@ def by_adjusted(rig: StereoRig, where: Located, fit: SolidFit, doubt: Floats) ->
     return Located(left_px, right_px, _POINT_SIGMA_PX, fit, covariance=fit.covariance + doubt)
 
 
+def may_have_dark_ends(where: Located) -> bool:
+    """Whether an object is known to be one of those of which outlines may leave an end out."""
+    return where.fit is not None and where.fit.kind == CYLINDER.name
+
+
 def with_dark_ends(rig: StereoRig, blobs: BlobPair, where: Located) -> Located:
     """The same, of a cylinder whose outlines leave an end out because its face is as dark as the table."""
-    if where.fit is None or where.fit.kind != CYLINDER.name:
+    if where.fit is None or not may_have_dark_ends(where):
         return where
     whole = to_rims(where.fit, rig, [blob.contour_px[blob.sharpness >= SHARP] for blob in blobs])
     left_px, right_px = (whole.centre_px(camera) - where.fit.centre_px(camera) for camera in (rig.left, rig.right))

@@ -13,7 +13,7 @@ from stereo_pick.core.correspondence.doubts import placed_surely, seen_in_part
 from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
-from stereo_pick.core.correspondence.position import Row, with_dark_ends
+from stereo_pick.core.correspondence.position import Row, may_have_dark_ends, with_dark_ends
 from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.correspondence.second_thoughts import CREASED, is_flat_after_all, reconsidered
 from stereo_pick.core.objects.blob import CUT
@@ -73,6 +73,8 @@ def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts:
 def _with_dark_ends(images: Images, row: Row, rows: Sequence[Row]) -> Row:
     """The same with the ends that its own outlines, where they are clear of the others, leave out."""
     blobs, where = row
+    if not may_have_dark_ends(where):
+        return row
     others = [each.fit for _, each in rows if each is not where and each.fit is not None]
     return blobs, with_dark_ends(images.rig, clear_of(blobs, images.behind(others), where.fit), where)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -59,11 +60,12 @@ class Division:
     unexplained: float
 
 
-def divisions(blob: Blob) -> list[Division]:
+@lru_cache(maxsize=64)  # asked for twice: parts alike in both views, and those that are not
+def divisions(blob: Blob) -> tuple[Division, ...]:
     """The cuts of a blob in two that explain most, best first, each clearly another one than those before it."""
     missing = _missing_area(_drawn(blob))
     if missing < _NOTICED * blob.area_px2 or not len(blob.sharpness):
-        return []
+        return ()
     count = len(blob.contour_px)
     found = [
         ((left + _CUT_COST * _cut_length(blob, begin, end) ** 2) / missing, begin, end)
@@ -75,7 +77,7 @@ def divisions(blob: Blob) -> list[Division]:
             break
         if all(_differ(each[1:], known[1:], count) > _CLEARLY_ANOTHER * count for known in kept):
             kept.append(each)
-    return [Division(_parts(blob, begin, end), left) for left, begin, end in kept]
+    return tuple(Division(_parts(blob, begin, end), left) for left, begin, end in kept)
 
 
 def _differ(one: tuple[int, int], other: tuple[int, int], count: int) -> int:
@@ -117,10 +119,11 @@ def _halves(blob: Blob, less_px2: float) -> Iterator[tuple[int, int, float]]:
     for begin, end in _cuts(blob):
         first, last = min(begin, end), max(begin, end)
         halves = twice[first : last + 1], twice[last : first + count + 1]
-        if min(cv2.contourArea(half) for half in halves) < _MIN_PART * blob.area_px2:
+        one, other = (cv2.contourArea(half) for half in halves)
+        if min(one, other) < _MIN_PART * blob.area_px2:
             continue
-        left = _missing_area(halves[0])
-        if left < less_px2 and (left := left + _missing_area(halves[1])) < less_px2:
+        left = _hull_area(halves[0]) - one
+        if left < less_px2 and (left := left + (_hull_area(halves[1]) - other)) < less_px2:
             yield begin, end, left
 
 
@@ -171,4 +174,8 @@ def _drawn(blob: Blob) -> NDArray[np.float32]:
 
 def _missing_area(contour_px: NDArray[np.float32]) -> float:
     """What the convex hull has more than the contour [px²]."""
-    return cv2.contourArea(cv2.convexHull(contour_px)) - cv2.contourArea(contour_px)
+    return _hull_area(contour_px) - cv2.contourArea(contour_px)
+
+
+def _hull_area(contour_px: NDArray[np.float32]) -> float:
+    return cv2.contourArea(cv2.convexHull(contour_px))
