@@ -74,16 +74,18 @@ def _solved(sight: Sight, kind: Kind, rotations: Floats) -> tuple[Solids, Floats
 def _linear(sight: Sight, kind: Kind, rotations: Floats) -> tuple[Floats, Floats]:
     """What `residuals` has for the outlines' own normals, but turns: how far (O, G, 2N, 3 + sizes) [px/m] a centre and
     half sizes move the silhouette, and how far (O, G, 2N) [px] it lies off where they are as large as they look."""
-    scale = sight.focal_px / sight.centre_m[:, 2]
-    planes = sight.planes * scale[:, None, None]
+    planes, radius_m = sight.planes, sight.radius_m[:, None, None]
+    scale = (sight.focal_px / sight.centre_m[:, 2])[:, None, None]
     own = planes[:, None] @ rotations
-    touched = kind.touch(own.reshape(-1, *own.shape[2:]), np.ones((len(own) * len(rotations), kind.sizes)))
+    half_m = np.repeat(np.repeat(sight.radius_m, len(rotations))[:, None], kind.sizes, axis=1)
+    touched = kind.touch(own.reshape(len(half_m), -1, 3), half_m).reshape(own.shape)
     linear = np.empty((*own.shape[:3], 3 + kind.sizes))
     linear[..., :3] = planes[:, None]
-    linear[..., 3:] = (touched.reshape(own.shape) * own) @ kind.shares
+    linear[..., 3:] = (touched * own) @ (kind.shares / radius_m)[:, None]
+    linear *= scale[..., None]
     to_centre = sight.centre_m[:, None, None] - sight.eyes_m[:, None]
     past_centre = dot(planes.reshape(len(planes), 2, -1, 3), to_centre).reshape(len(planes), 1, -1)
-    return linear, past_centre + linear[..., 3:].sum(axis=3) * sight.radius_m[:, None, None]
+    return linear, scale * (past_centre + dot(touched, own))
 
 
 def orientations(kind: Kind, table: Table | None, finer: int = 1) -> tuple[Floats, Floats]:
