@@ -22,13 +22,12 @@ def sampled(image: Image, points_px: Floats) -> Floats:
 def remapped(
     image: NDArray[Any], points_px: Floats | NDArray[np.float32], beyond: int = cv2.BORDER_REPLICATE
 ) -> NDArray[Any]:
-    """The same (N, M, ...) of an image (H, W, ...) of one or two channels, in its own type; what is beyond it as by
-    this one of OpenCV's border types."""
+    """The same (N, M) of an image (H, W) in its own type; what is beyond it as by this one of OpenCV's border types."""
     places = points_px.astype(np.float32, copy=False)
     parts = [
         cv2.remap(image, places[first : first + _MOST], _ALL_IN_ONE, cv2.INTER_LINEAR, borderMode=beyond)
         for first in range(0, len(places), _MOST)
     ]
     if not parts:
-        return np.empty((*places.shape[:2], *image.shape[2:]), image.dtype)
+        return np.empty(places.shape[:2], image.dtype)
     return np.concatenate(parts) if len(parts) > 1 else parts[0]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -71,22 +73,25 @@ class EdgeMap:
     def slopes(self, points_px: Floats) -> Floats:
         """How steep grey levels are along x and y (N, M, 2) [grey levels/px] at points (N, M, 2) near each other."""
         low, slopes = self._slopes_around(points_px.reshape(-1, 2), 0.0)
-        return remapped(slopes, points_px - low, cv2.BORDER_CONSTANT).astype(np.float64)
+        along_axes = [remapped(slope, points_px - low, cv2.BORDER_CONSTANT) for slope in slopes]
+        return np.stack(along_axes, axis=-1).astype(np.float64)
 
-    def _slopes_around(self, points_px: Floats, reach_px: float) -> tuple[Ints, NDArray[np.float32]]:
-        """The first pixel (2,) of the part of the view around points (N, 2), and its slopes along x and y (h, w, 2)."""
+    def _slopes_around(self, points_px: Floats, reach_px: float) -> tuple[Ints, list[NDArray[Any]]]:
+        """The first pixel (2,) of the part of the view around points (N, 2), and its slopes along x and y (h, w)."""
         height, width = self.image.shape
         margin_px = reach_px + 1 + len(_SMOOTH) // 2
         low = np.clip(np.floor(points_px.min(axis=0) - margin_px).astype(np.int64), 0, (width - 1, height - 1))
         high = np.maximum(np.ceil(points_px.max(axis=0) + margin_px).astype(np.int64), low) + 1
         around = self.image[low[1] : high[1], low[0] : high[0]]
-        along = [cv2.sepFilter2D(around, cv2.CV_32F, *way) for way in ((_SLOPE, _SMOOTH), (_SMOOTH, _SLOPE))]
-        return low, np.asarray(cv2.merge(along), np.float32)
+        return low, [cv2.sepFilter2D(around, cv2.CV_32F, *way) for way in ((_SLOPE, _SMOOTH), (_SMOOTH, _SLOPE))]
 
 
-def _across(slopes: NDArray[np.float32], points_px: Floats, normals: Floats, reach_px: Floats) -> NDArray[np.float32]:
-    """How steep (N, M) grey levels of known slopes along x and y (h, w, 2) are across normals (N, 2), so far (M,) along
+def _across(
+    slopes: Sequence[NDArray[Any]], points_px: Floats, normals: Floats, reach_px: Floats
+) -> NDArray[np.float32]:
+    """How steep (N, M) grey levels of known slopes along x and y (h, w) are across normals (N, 2), so far (M,) along
     them."""
     points, across, reach = (each.astype(np.float32) for each in (points_px, normals, reach_px))
-    along_axes = remapped(slopes, points[:, None] + reach[:, None] * across[:, None], cv2.BORDER_CONSTANT)
-    return np.asarray(along_axes[..., 0] * across[:, :1] + along_axes[..., 1] * across[:, 1:], np.float32)
+    places = points[:, None] + reach[:, None] * across[:, None]
+    x, y = (remapped(slope, places, cv2.BORDER_CONSTANT) for slope in slopes)
+    return np.asarray(x * across[:, :1] + y * across[:, 1:], np.float32)
