@@ -23,6 +23,7 @@ from family_scoring import WRONG_M, SceneScore, score
 from family_tables import accuracy_table, covariance_table, detection_table, shape_table, size_table
 from formatting import markdown_table
 from processes import each, scene_parser
+from reliability import reliability_table
 from rendering import Truth
 from scene_cache import kept
 from traced_families import TRACED, traced
@@ -85,6 +86,8 @@ def _report(scores: Sequence[SceneScore]) -> str:
             "### The stated covariance",
             covariance_table(scores),
             shape_table(scores),
+            "### Confidence",
+            reliability_table(scores),
             "### Size, orientation, time",
             size_table(scores),
         ]

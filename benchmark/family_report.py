@@ -12,6 +12,7 @@ from family_rivals import RivalScore, rivals_table
 from family_scoring import WRONG_M, SceneScore
 from family_tables import accuracy_table, covariance_table, detection_table, shape_table, size_table
 from formatting import markdown_table
+from reliability import reliability_table
 
 
 def report(scores: Sequence[SceneScore], rivals: Sequence[RivalScore]) -> str:
@@ -48,6 +49,12 @@ def _sections(scores: Sequence[SceneScore], rivals: Sequence[RivalScore]) -> Ite
     yield covariance_table(scores)
     yield "The same of the parts of each shape, over all families:"
     yield shape_table(scores)
+    yield "### Confidence"
+    yield (
+        "The confidence of the same positions, the probability by their covariance that they are within a tolerance, "
+        "beside how many are: for several tolerances, by confidence."
+    )
+    yield reliability_table(scores)
     yield "### Size, orientation, time"
     yield "Errors in mm and in degrees of everything that was found and is a part's."
     yield size_table(scores)

@@ -26,14 +26,14 @@ WRONG_M = 0.005
 class Found:
     """An object that a pose counts as, and its errors.
 
-    position_m: (3,), against the centre of the volume, in the left frame; mahalanobis2: with the stated covariance;
+    position_m: (3,), against the centre of the volume, in the left frame; covariance: (3, 3) [m²], as stated;
     size_m: (3,) length, width, height, and yaw_rad: None where the poses do not carry them.
     """
 
     which: int
     truth: TrueObject
     position_m: Floats
-    mahalanobis2: float
+    covariance: Floats
     size_m: Floats | None
     yaw_rad: float | None
 
@@ -42,19 +42,26 @@ class Found:
         return float(np.linalg.norm(self.position_m))
 
     @property
+    def mahalanobis2(self) -> float:
+        return float(self.position_m @ np.linalg.solve(self.covariance, self.position_m))
+
+    @property
     def shape(self) -> str:
         return f"lying {self.truth.shape}" if self.truth.lying else self.truth.shape
 
 
 @dataclass(frozen=True, eq=False)
 class SceneScore:
-    """One scene; ghosts_m: (N, 3), poses that are no object's; between: how many of them lie between two parts."""
+    """One scene; ghosts_m: (N, 3), poses that are no object's, with ghost_covariances (N, 3, 3); between: how many of
+    them lie between two parts.
+    """
 
     family: str
     seed: int
     objects: tuple[TrueObject, ...]
     found: tuple[Found, ...]
     ghosts_m: Floats
+    ghost_covariances: Floats
     between: int
     refused: Counter[str]
     seconds: float
@@ -83,6 +90,17 @@ class SceneScore:
     def distances_m(self) -> list[float]:
         """Distance of every required object that was found from where it is."""
         return [each.distance_m for each in self.found if each.truth.required]
+
+    @property
+    def covariances(self) -> Floats:
+        """Of every pose that was published: (N, 3, 3) [m²], ghosts last."""
+        found = np.reshape([each.covariance for each in self.found], (-1, 3, 3))
+        return np.concatenate([found, self.ghost_covariances])
+
+    @property
+    def off_m(self) -> Floats:
+        """How far off every pose is that was published, (N,), ghosts last; infinite where it is no object's."""
+        return np.array([each.distance_m for each in self.found] + [np.inf] * len(self.ghosts_m))
 
     @property
     def mahalanobis2(self) -> list[float]:
@@ -116,14 +134,16 @@ def score(family: str, seed: int, pipeline: Pipeline, frame: StereoFrame, truth:
 def held_against(truth: Truth, poses: ObjectPoses, family: str, seed: int, seconds: float = 0.0) -> SceneScore:
     """What these poses, in the left frame, are worth in a scene; seconds: what it took to find them."""
     pairs = _one_to_one(truth, poses.xyz)
-    ghosts = np.delete(poses.xyz, [row for _, row in pairs], axis=0)
+    ghost = np.delete(np.arange(len(poses.xyz)), [row for _, row in pairs])
+    ghosts_m = poses.xyz[ghost]
     return SceneScore(
         family=family,
         seed=seed,
         objects=truth.objects,
         found=tuple(_found(truth, which, poses, row) for which, row in pairs),
-        ghosts_m=ghosts,
-        between=sum(_is_between(ghost, truth) for ghost in ghosts),
+        ghosts_m=ghosts_m,
+        ghost_covariances=poses.covariance[ghost],
+        between=sum(_is_between(point_m, truth) for point_m in ghosts_m),
         refused=Counter(count_reasons(poses.refused)),
         seconds=seconds,
     )
@@ -137,13 +157,11 @@ def _one_to_one(truth: Truth, xyz: Floats) -> list[tuple[int, int]]:
 
 def _found(truth: Truth, which: int, poses: ObjectPoses, row: int) -> Found:
     item = truth.objects[which]
-    error = poses.xyz[row] - item.centre_m
-    covariance = poses.covariance[row]
     return Found(
         which=which,
         truth=item,
-        position_m=error,
-        mahalanobis2=float(error @ np.linalg.solve(covariance, error)),
+        position_m=poses.xyz[row] - item.centre_m,
+        covariance=poses.covariance[row],
         size_m=_size_error(item, poses, row),
         yaw_rad=_yaw_error(truth, item, poses, row),
     )

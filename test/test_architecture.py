@@ -47,6 +47,7 @@ CORE_LAYERS = (
     "shapes",
     "correspondence",
     "triangulation",
+    "confidence",
     "poses",
     "positioning",
     "annotation",

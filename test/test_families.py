@@ -16,6 +16,7 @@ from family_scoring import SceneScore, score
 from family_tables import covariance_table
 from placing import Table, footprint_gap_m
 from processes import each
+from reliability import reliability_table
 from rendering import Box, Cylinder, Solid, TrueObject, Truth
 from rendering.rigs import BENCH_RIGS, DISTANCES_M, table_before
 from rivals import Contender
@@ -144,10 +145,31 @@ def test_what_is_published_though_wrong_counts_among_the_distances() -> None:
     assert [cell.strip() for cell in last.split("|")[2:-1]] == ["7", "0.00", "361.00", "∞", "∞", "∞", "57.1 %", "1"]
 
 
+def test_confidence_is_held_against_how_many_are_near_enough() -> None:
+    scores = [scored(CENTRES_M + (0, 0, 0.0015)), scored(np.concatenate([CENTRES_M, CENTRES_M[:1] + 0.002]))]
+    stated = [chi_3(tolerance) for tolerance in (0.5, 1, 2, 5)]
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in reliability_table(scores).splitlines()[2:]]
+    assert [row for row in rows if row[2] != "0"] == [
+        ["0.5 mm", "below 0.5", "5", f"{stated[0]:.4f}", "0.4000", f"{5 * (1 - stated[0]):.2f}", "3"],
+        ["1 mm", "below 0.5", "5", f"{stated[1]:.4f}", "0.4000", f"{5 * (1 - stated[1]):.2f}", "3"],
+        ["2 mm", "0.5 to 0.9", "5", f"{stated[2]:.4f}", "0.8000", f"{5 * (1 - stated[2]):.2f}", "1"],
+        ["5 mm", "above 0.999", "5", f"{stated[3]:.4f}", "0.8000", "0.00", "1"],
+    ]
+    assert {tuple(row[2:]) for row in rows if row[2] == "0"} == {("0", "–", "–", "–", "–")}
+    assert reliability_table([scored(CENTRES_M[:0])]).count("| 0 |") == 20
+
+
+def chi_3(sigmas: float) -> float:
+    """The probability that an error with the same sigma in all directions is no longer than so many sigmas."""
+    return math.erf(sigmas / math.sqrt(2)) - math.sqrt(2 / math.pi) * sigmas * math.exp(-(sigmas**2) / 2)
+
+
 def test_the_report_says_how_many_were_found_and_how_many_are_wrong() -> None:
-    text = report([scored(CENTRES_M), scored(CENTRES_M[:1] + (0, 0, 0.006))], [])
+    scores = [scored(CENTRES_M), scored(CENTRES_M[:1] + (0, 0, 0.006))]
+    text = report(scores, [])
     assert "Of 4 parts that must be found, 3 are; of 3 positions that are published, 1 are more than 5 mm wrong" in text
     assert "wrong, 1 of them by more than their covariance admits" in text
+    assert "### Confidence" in text and reliability_table(scores) in text
     (of_shape,) = [line for line in text.splitlines() if line.startswith("| part |")]
     assert of_shape == "| part | 3 | 0.00 | 36.00 | 36.00 | 36.00 | 36.00 | 66.7 % | 1 |"
 

@@ -1,4 +1,7 @@
-"""Stated covariances fit the errors of rendered parts: neither half of what they should be, nor three times that."""
+"""Stated covariances fit the errors of rendered parts: neither half of what they should be, nor three times that.
+
+Confidences follow from them, and fit as well.
+"""
 
 from __future__ import annotations
 
@@ -7,21 +10,28 @@ from functools import cache
 import numpy as np
 import pytest
 from family_scenes import found
+from family_scoring import SceneScore
 from mahalanobis import CHI2_3
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.confidence import within
 
 SCENES = (*(("mixed_shapes", seed) for seed in range(8)), ("many_small", 0), ("many_small", 1))
 # Shares below the median and the 95 % point of chi-square, three degrees of freedom: 0.5 and 0.95. Were the covariances
 # half of what they should be, 0.24 and 0.73; were they three times that, 0.93 and 1.
 BELOW_MEDIAN = (0.37, 0.86)
 COVERED = 0.84
+PROMISED_TOO_MUCH, PROMISED_TOO_LITTLE = 0.05, 0.2
 
 
 @cache
+def scores() -> list[SceneScore]:
+    return [found(*scene) for scene in SCENES]
+
+
 def squares() -> Floats:
     """Squared Mahalanobis distances of all poses in some scenes."""
-    return np.concatenate([found(*scene).mahalanobis2 for scene in SCENES])
+    return np.concatenate([each.mahalanobis2 for each in scores()])
 
 
 def fits(d2: Floats) -> bool:
@@ -41,3 +51,20 @@ def test_wrong_covariances_are_told_from_right_ones(seed: int) -> None:
     assert fits(drawn)
     assert not fits(drawn * 2)
     assert not fits(drawn / 3)
+
+
+def promised_too_much(tolerance_m: float, scale: float = 1.0) -> float:
+    """The share of poses that are within a tolerance by their covariances, scaled, less that of those that are."""
+    stated = np.concatenate([within(each.covariances * scale, tolerance_m) for each in scores()])
+    off_m = np.concatenate([each.off_m for each in scores()])
+    return float(stated.mean() - np.mean(off_m <= tolerance_m))
+
+
+@pytest.mark.parametrize("tolerance_m", [0.0003, 0.0005, 0.001])
+def test_about_as_many_are_near_enough_as_confidence_says(tolerance_m: float) -> None:
+    assert -PROMISED_TOO_LITTLE < promised_too_much(tolerance_m) < PROMISED_TOO_MUCH
+
+
+def test_confidence_by_wrong_covariances_would_promise_other_shares() -> None:
+    assert promised_too_much(0.0003, scale=1 / 3) > PROMISED_TOO_MUCH
+    assert promised_too_much(0.0003, scale=3) < -PROMISED_TOO_LITTLE

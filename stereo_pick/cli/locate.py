@@ -25,8 +25,8 @@ Find the objects in one pair of images and print where they are.
 
 Positions are metres (millimetres in the table) in the left camera's own optical frame: x right, y down, z forward,
 of the RAW left camera, not of the rectified one; or, with --hand-eye, in the robot's frame. Each comes with a
-covariance, with the gap between its two rays, and with its pixels in the raw images. What was seen but cannot be
-trusted is listed under `refused`, with the reason."""
+covariance, with the confidence that it is within triangulation.tolerance_m, with the gap between its two rays, and with
+its pixels in the raw images. What was seen but cannot be trusted is listed under `refused`, with the reason."""
 
 _EPILOG = """\
 examples:

@@ -30,6 +30,7 @@ def result_mapping(result: Result, method: str) -> dict[str, Any]:
         "polarity": result.blobs.polarity,
         "calibration_hash": calibration_hash(rig),
         "covariance_of": list(poses.covariance_of),
+        "tolerance_m": poses.tolerance_m,
         "turned_px": result.correspondences.turned_px,
         "objects": [_object(poses, index) for index in range(len(poses))],
         "refused": [_refused(refusal, rig) for refusal in poses.refused],
@@ -59,13 +60,19 @@ def pose_table(poses: ObjectPoses) -> str:
     """One line an object, in millimetres."""
     if len(poses) == 0:
         return "no object"
-    lines = [f"{'#':>3} {'x mm':>9} {'y mm':>9} {'z mm':>9} {'± z mm':>7} {'gap mm':>7} {'size mm':>20} {'kind':>8}"]
+    lines = [
+        f"{'#':>3} {'x mm':>9} {'y mm':>9} {'z mm':>9} {'± z mm':>7} {'confidence':>10} {'gap mm':>7} {'size mm':>20} "
+        f"{'kind':>8}"
+    ]
     for index, (x, y, z) in enumerate(poses.xyz * 1000):
         sigma = np.sqrt(poses.covariance[index, 2, 2]) * 1000
         kind = poses.kinds[index] or "-"
         size = " x ".join(f"{side * 1000:.1f}" for side in poses.size_m[index] if side > 0)
         gap = poses.ray_gap[index] * 1000
-        lines.append(f"{index + 1:>3} {x:>9.2f} {y:>9.2f} {z:>9.2f} {sigma:>7.2f} {gap:>7.2f} {size:>20} {kind:>8}")
+        lines.append(
+            f"{index + 1:>3} {x:>9.2f} {y:>9.2f} {z:>9.2f} {sigma:>7.2f} {poses.confidence[index]:>10.4f} {gap:>7.2f} "
+            f"{size:>20} {kind:>8}"
+        )
     return "\n".join(lines)
 
 
@@ -73,6 +80,7 @@ def _object(poses: ObjectPoses, index: int) -> dict[str, Any]:
     return {
         "position_m": poses.xyz[index].tolist(),
         "covariance_m2": poses.covariance[index].tolist(),
+        "confidence": float(poses.confidence[index]),
         "ray_gap_m": float(poses.ray_gap[index]),
         "size_m": poses.size_m[index].tolist(),
         "kind": poses.kinds[index],

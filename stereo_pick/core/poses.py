@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.arrays import Floats, floats, frozen
+from stereo_pick.core.confidence import within
 from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.hand_eye.rotations import to_quaternion
 from stereo_pick.core.refusal import Refusal
@@ -24,8 +26,9 @@ class ObjectPoses:
     into the table; size_m: (N, 3), length, width and height; kinds: N of `extent.KINDS`. Where no solid explains an
     object, length and width are those of its outline as the left camera sees it, and the height is 0.
     covariance: (N, 3, 3) [m²]; ray_gap: (N,) [m]; left_px, right_px: (N, 2) in the raw images [px].
-    covariance_of: whose uncertainty the covariance contains. `positioning` may move xyz and covariance to the frame
-    `frame_id` (else empty), into which frame_R_camera (3, 3) turns from the left optical one; rotation stays.
+    tolerance_m: how far off a position may be for the pick to succeed. covariance_of: whose uncertainty the covariance
+    contains. `positioning` may move xyz and covariance to the frame `frame_id` (else empty), into which frame_R_camera
+    (3, 3) turns from the left optical one; rotation stays.
     """
 
     stamp_ns: int
@@ -37,6 +40,7 @@ class ObjectPoses:
     ray_gap: Floats
     left_px: Floats
     right_px: Floats
+    tolerance_m: float
     refused: tuple[Refusal, ...] = ()
     covariance_of: tuple[str, ...] = ("image",)
     frame_id: str = ""
@@ -54,6 +58,11 @@ class ObjectPoses:
 
     def __len__(self) -> int:
         return len(self.xyz)
+
+    @cached_property
+    def confidence(self) -> Floats:
+        """The probability (N,), by the covariance, that a position is off by no more than tolerance_m."""
+        return frozen(within(self.covariance, self.tolerance_m))
 
     def quaternions(self) -> Floats:
         """Orientations (N, 4) as x, y, z, w, in the frame."""
@@ -84,6 +93,7 @@ def estimate_poses(points: Points, correspondences: Correspondences, rig: Stereo
         ray_gap=points.ray_gap,
         left_px=rig.left.unrectified(left_px),
         right_px=rig.right.unrectified(right_px),
+        tolerance_m=points.tolerance_m,
         refused=points.refused,
     )
 

@@ -25,13 +25,15 @@ class Points:
     """N positions in the left camera's optical frame.
 
     xyz: (N, 3) [m]; covariance: (N, 3, 3) [m²]; ray_gap: (N,), distance of the two rays [m];
-    row: (N,), the row of `Correspondences` each came from; refused: all that gave no position, so far.
+    row: (N,), the row of `Correspondences` each came from; tolerance_m: how far off one may be for the pick to succeed;
+    refused: all that gave no position, so far.
     """
 
     xyz: Floats
     covariance: Floats
     ray_gap: Floats
     row: Ints
+    tolerance_m: float
     refused: tuple[Refusal, ...] = ()
 
     def __post_init__(self) -> None:
@@ -51,28 +53,36 @@ class Triangulator(Configurable):
     max_ray_gap_m: float = parameter(
         0.010, "Distance of the two rays of a point from which it is refused.", low=0.0001, high=1.0
     )
+    tolerance_m: float = parameter(
+        0.005,
+        "How far off a position may be for the pick to succeed; confidence is the probability that it is no farther "
+        "off.",
+        low=0.0001,
+        high=0.1,
+    )
 
     def triangulate(self, correspondences: Correspondences, rig: StereoRig) -> Points:
         """Return the positions whose rays meet in front of both cameras within max_ray_gap_m."""
         if len(correspondences) == 0:
             none = np.zeros(0)
-            return Points(none, none, none, none.astype(np.int64), correspondences.refused)
+            return Points(none, none, none, none.astype(np.int64), self.tolerance_m, correspondences.refused)
         left_px, right_px = correspondences.left_px, correspondences.right_px
         left, right = closest_points(rig.left.rays(left_px), rig.right.rays(right_px), rig.right_T_left)
         gap = np.linalg.norm(left - right, axis=1)
         behind = (left[:, 2] <= 0) | (rig.right_T_left.apply(right)[:, 2] <= 0)
         apart = ~behind & (gap > self.max_ray_gap_m)
         row = np.flatnonzero(~behind & ~apart)
-        refused = [
+        refused = (
+            *correspondences.refused,
             *(
                 Refusal("behind_camera", left_px[i], right_px[i], f"z = {left[i, 2]:.3f} m")
                 for i in np.flatnonzero(behind)
             ),
             *(Refusal("ray_gap", left_px[i], right_px[i], f"{gap[i] * 1000:.1f} mm") for i in np.flatnonzero(apart)),
-        ]
+        )
         covariance = _covariance(left_px, right_px, correspondences.sigma_px, rig)
         covariance = covariance + rig.left.R.T @ correspondences.covariance @ rig.left.R
-        return Points((left + right)[row] / 2, covariance[row], gap[row], row, (*correspondences.refused, *refused))
+        return Points((left + right)[row] / 2, covariance[row], gap[row], row, self.tolerance_m, refused)
 
 
 def _covariance(left_px: Floats, right_px: Floats, sigma_px: Floats, rig: StereoRig) -> Floats:

@@ -62,6 +62,18 @@ def test_the_record_beside_the_cameras_grows_the_covariance(folder: Path, capsys
     assert json_of(folder, capsys) == before
 
 
+def test_confidence_is_of_the_tolerance_in_use_and_of_the_whole_covariance(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    tight = ("--param", "triangulation.tolerance_m=0.0003")
+    generous, surer = json_of(folder, capsys), json_of(folder, capsys, *tight)
+    write_record(RIG, folder / "rig", focal_sigma_px=3.0)
+    whole = json_of(folder, capsys, *tight)
+    assert [found["tolerance_m"] for found in (generous, surer, whole)] == [0.005, 0.0003, 0.0003]
+    stated = [[each["confidence"] for each in found["objects"]] for found in (whole, surer, generous)]
+    assert (np.diff(stated, axis=0) > 0).all()
+
+
 def test_a_record_of_another_calibration_is_left_out_with_a_warning_and_refused_where_it_was_named(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

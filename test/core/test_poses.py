@@ -21,6 +21,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.triangulation import Points, Triangulator
 
 LENGTH_M, WIDTH_M = 0.08, 0.03
+SIGMA_PX = 0.5
 
 
 def plate(yaw_rad: float, centre_m: tuple[float, float, float]) -> Floats:
@@ -69,12 +70,33 @@ def test_positions_project_onto_the_raw_pixels_that_are_told(name: str) -> None:
     np.testing.assert_allclose(poses.right_px, right_raw, atol=0.1)
 
 
+@pytest.mark.parametrize("name", RIGS)
+def test_confidence_is_how_often_noisy_measurements_are_near_enough(name: str) -> None:
+    rig, rng = RIGS[name], np.random.default_rng(11)
+    point = np.array([[0.05, -0.03, 0.95]])
+    left_px, right_px = rig.project(point)
+    exact = np.hstack([rig.left.rectified(left_px), rig.right.rectified(right_px)])
+    steps = Steps(triangulator=Triangulator(max_ray_gap_m=1.0, tolerance_m=0.002))
+    stated = steps.locate(matched(exact), rig, 1)
+    off_m = np.linalg.norm(steps.locate(matched(rng.normal(exact, SIGMA_PX, (20000, 4))), rig, 1).xyz - point, axis=1)
+    assert stated.tolerance_m == 0.002
+    assert 0.05 < stated.confidence[0] < 0.99
+    assert stated.confidence[0] == pytest.approx(np.mean(off_m <= 0.002), abs=0.02)
+
+
+def matched(points_px: Floats) -> Correspondences:
+    """Matches of left and right points (N, 4)."""
+    count = len(points_px)
+    sigma_px, size_px = np.full((count, 2), SIGMA_PX), np.ones((count, 2))
+    return Correspondences(points_px[:, :2], points_px[:, 2:], sigma_px, size_px, np.zeros(count))
+
+
 def test_quaternions_turn_x_into_the_length_and_z_down_into_the_table() -> None:
     turns = np.array([rotation(vector) for vector in ((0.1, -0.7, 1.2), (0, 0, 0), (2.8, 0.3, -0.4))])
     count = len(turns)
     poses = ObjectPoses(
         0, np.zeros((count, 3)), turns, np.ones((count, 3)), ("",) * count, np.zeros((count, 3, 3)), np.zeros(count),
-        np.zeros((count, 2)), np.zeros((count, 2)),
+        np.zeros((count, 2)), np.zeros((count, 2)), 0.005,
     )  # fmt: skip
     for (x, y, z, w), turn in zip(poses.quaternions(), turns):
         length = (1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w))
@@ -117,4 +139,4 @@ def test_no_points_give_no_poses_but_keep_the_refusals() -> None:
 
 def test_a_pose_that_is_not_finite_cannot_be_made() -> None:
     with pytest.raises(ArrayError, match="xyz holds nan"):
-        Points(np.full((1, 3), np.nan), np.zeros((1, 3, 3)), np.zeros(1), np.zeros(1, np.int64))
+        Points(np.full((1, 3), np.nan), np.zeros((1, 3, 3)), np.zeros(1), np.zeros(1, np.int64), 0.005)

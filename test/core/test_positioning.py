@@ -28,6 +28,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.transform import Transform
 
 RIGS_SIMULATED = 80
+TOLERANCE_M = 0.003
 SIGMA_PX = 1.0  # so that neither the image nor the calibration is negligible
 WORK_M = np.array([[0, 0, 0.5], [0.08, 0.06, 0.55], [-0.1, -0.07, 0.7], [0.05, -0.05, 0.8]])
 BASE_T_CAMERA = Transform(rotation(2.2, 0.2, -0.3), [0.6, -0.2, 0.9])
@@ -59,14 +60,13 @@ def squares(poses: ObjectPoses, truth_m: np.ndarray) -> np.ndarray:
 
 
 @cache
-def simulated() -> dict[str, np.ndarray]:
-    """Squared Mahalanobis distances (rigs, points) from the truth, each rig calibrated from views of its own.
+def simulated() -> dict[str, tuple[list[ObjectPoses], np.ndarray]]:
+    """Poses by rigs that are each calibrated from views of its own, and the truth (points, 3) [m].
 
     bare: without the calibration's uncertainty; camera: with it; base: in the robot's frame, by a hand-eye
     calibration whose error is drawn from its stated covariance.
     """
-    found: dict[str, list[np.ndarray]] = {"bare": [], "camera": [], "base": []}
-    in_base_m = BASE_T_CAMERA.apply(WORK_M)
+    found: dict[str, list[ObjectPoses]] = {"bare": [], "camera": [], "base": []}
     for seed in range(RIGS_SIMULATED):
         result = calibrate(make_views(6, noise_px=0.1, seed=seed), SIZE_PX, BOARD)
         rng = np.random.default_rng(seed)
@@ -76,16 +76,31 @@ def simulated() -> dict[str, np.ndarray]:
         estimate = Transform(rotation_matrix(w) @ BASE_T_CAMERA.rotation, BASE_T_CAMERA.translation + d)
         hand_eye = HandEye("base", "camera", UncertainTransform(estimate, HAND_EYE_COVARIANCE), (), "drawn")
         robot = replace(known, hand_eye=FramedHandEye(hand_eye, "base_link", "left"))
-        found["bare"].append(squares(poses, WORK_M))
-        found["camera"].append(squares(known.place(poses, result.rig), WORK_M))
-        found["base"].append(squares(robot.place(poses, result.rig), in_base_m))
-    return {name: np.array(each) for name, each in found.items()}
+        found["bare"].append(poses)
+        found["camera"].append(known.place(poses, result.rig))
+        found["base"].append(robot.place(poses, result.rig))
+    truth = {"bare": WORK_M, "camera": WORK_M, "base": BASE_T_CAMERA.apply(WORK_M)}
+    return {name: (found[name], truth[name]) for name in found}
+
+
+def squares_of(frame: str) -> np.ndarray:
+    """Squared Mahalanobis distances (rigs, points) from the truth."""
+    found, truth_m = simulated()[frame]
+    return np.array([squares(poses, truth_m) for poses in found])
+
+
+def near_enough(frame: str) -> tuple[float, float]:
+    """The share of positions within TOLERANCE_M, stated and real."""
+    found, truth_m = simulated()[frame]
+    stated = [replace(poses, tolerance_m=TOLERANCE_M).confidence for poses in found]
+    real = [np.linalg.norm(poses.xyz - truth_m, axis=1) <= TOLERANCE_M for poses in found]
+    return float(np.mean(stated)), float(np.mean(real))
 
 
 @pytest.mark.parametrize("frame", ["camera", "base"])
 def test_stated_covariances_cover_the_errors_of_calibrated_rigs(frame: str) -> None:
     """Chi-square of three degrees of freedom: mean 3, variance 6, its 68.3 and its 95 % points."""
-    found = simulated()[frame]
+    found = squares_of(frame)
     three_sigma = 3 / np.sqrt(RIGS_SIMULATED)  # one draw a rig: the points of one rig err almost alike
     assert found.mean() == pytest.approx(3, abs=three_sigma * np.sqrt(6))
     for point, share in ((3.53, 0.683), (7.81, 0.95)):
@@ -93,8 +108,21 @@ def test_stated_covariances_cover_the_errors_of_calibrated_rigs(frame: str) -> N
 
 
 def test_the_image_alone_does_not_explain_these_errors() -> None:
-    assert simulated()["bare"].mean() > 5
-    assert np.mean(simulated()["bare"] < 7.81) < 0.85
+    assert squares_of("bare").mean() > 5
+    assert np.mean(squares_of("bare") < 7.81) < 0.85
+
+
+@pytest.mark.parametrize("frame", ["camera", "base"])
+def test_as_many_positions_are_near_enough_as_their_confidence_says(frame: str) -> None:
+    stated, real = near_enough(frame)
+    three_sigma = 3 * np.sqrt(stated * (1 - stated) / RIGS_SIMULATED)
+    assert 0.1 < stated < 0.9
+    assert real == pytest.approx(stated, abs=three_sigma)
+
+
+def test_confidence_by_the_image_alone_would_promise_too_much() -> None:
+    stated, real = near_enough("bare")
+    assert real < stated - 0.05
 
 
 @pytest.fixture(scope="module")

@@ -177,7 +177,7 @@ def test_what_was_refused_before_stays_refused() -> None:
 
 
 def test_points_cannot_be_changed() -> None:
-    points = Points(np.zeros((1, 3)), np.zeros((1, 3, 3)), np.zeros(1), np.zeros(1, np.int64))
+    points = Points(np.zeros((1, 3)), np.zeros((1, 3, 3)), np.zeros(1), np.zeros(1, np.int64), 0.005)
     for array in (points.xyz, points.covariance, points.ray_gap, points.row):
         assert not array.flags.writeable
 

@@ -13,6 +13,7 @@ from rigs import rotation
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from visualization_msgs.msg import Marker
 
+from stereo_pick.core.confidence import within
 from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.correspondence.extent import KINDS, Extent
 from stereo_pick.core.errors import ArrayError, CalibrationError, ImageError, StereoPickError
@@ -237,6 +238,7 @@ def poses(count: int) -> ObjectPoses:
         ray_gap=RNG.uniform(0, 0.01, count),
         left_px=RNG.uniform(0, 600, (count, 2)),
         right_px=RNG.uniform(0, 600, (count, 2)),
+        tolerance_m=0.003,
     )
 
 
@@ -268,6 +270,7 @@ def test_the_objects_table_has_all_that_is_known(count: int) -> None:
         assert (row["left_u"], row["left_v"]) == tuple(before.left_px[index])
         assert (row["right_u"], row["right_v"]) == tuple(before.right_px[index])
         assert (row["yaw"], row["ray_gap"]) == (before.heading_rad[index], before.ray_gap[index])
+        assert row["confidence"] == within(before.covariance, before.tolerance_m)[index]
 
 
 def test_markers_replace_those_of_the_pair_before() -> None:
@@ -284,6 +287,7 @@ def test_markers_replace_those_of_the_pair_before() -> None:
             assert [marker.scale.x, marker.scale.y, marker.scale.z] == before.size_m[marker.id].tolist()
         else:
             assert f"{before.xyz[marker.id, 2] * 1000:.1f} mm" in marker.text
+            assert f"confidence {before.confidence[marker.id]:.3f}" in marker.text
     assert [marker.action for marker in sent(markers_message(poses(0), "e")).markers] == [Marker.DELETEALL]
 
 

@@ -120,6 +120,7 @@ def test_poses_come_in_the_hand_eyes_frame_with_the_whole_covariance(
         np.testing.assert_allclose([row["x"], row["y"], row["z"]], xyz, atol=1e-9)
     covariance = np.stack([table[f"cov_{a}{b}"] for a in "xyz" for b in "xyz"], axis=1).reshape(-1, 3, 3)
     np.testing.assert_allclose(covariance, expected.covariance, rtol=1e-6)
+    np.testing.assert_allclose(table["confidence"], expected.confidence, rtol=1e-6)
     np.testing.assert_allclose(BASE_T_CAMERA.apply(POINTS_M), expected.xyz, atol=1e-6)
     node.feed_until(node.told(OK, "2 objects located"), "it is well")
     assert node.values()["covariance_of"] == "image, calibration, hand_eye"

@@ -230,6 +230,7 @@ def check_messages(
         assert [row[name] for name in "xyz"] == pytest.approx(each["position_m"], abs=TOLERANCE_M)
         covariance = [[row[f"cov_{a}{b}"] for b in "xyz"] for a in "xyz"]
         assert np.allclose(covariance, each["covariance_m2"], rtol=1e-3, atol=1e-12)
+        assert row["confidence"] == pytest.approx(each["confidence"], abs=1e-3)
         assert [row["length"], row["width"], row["height"]] == pytest.approx(each["size_m"], abs=1e-6)
         assert [row["left_u"], row["left_v"]] == pytest.approx(each["left_px"], abs=1e-3)
         assert [row["right_u"], row["right_v"]] == pytest.approx(each["right_px"], abs=1e-3)

@@ -21,6 +21,7 @@ from stereo_pick.cli import demo
 from stereo_pick.cli.main import main
 from stereo_pick.cli.run import Outcome
 from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.confidence import within
 from stereo_pick.core.correspondence.extent import KINDS
 from stereo_pick.core.refusal import REASONS
 
@@ -68,6 +69,7 @@ def test_locate_prints_json_of_the_promised_form(images: Path, tmp_path: Path) -
         assert is_numbers(each["covariance_m2"], 3, 3)
         assert np.linalg.eigvalsh(each["covariance_m2"]).min() > 0
         assert np.allclose(each["covariance_m2"], np.transpose(each["covariance_m2"]))
+        assert within(np.array([each["covariance_m2"]]), content["tolerance_m"]) == pytest.approx(each["confidence"])
         assert is_numbers(each["ray_gap_m"])
         assert 0 <= each["ray_gap_m"] < 0.01
         assert is_numbers(each["size_m"], 3)
@@ -92,7 +94,8 @@ def test_locate_prints_the_same_as_a_table_in_millimetres(images: Path, method: 
     objects = json.loads(locate(images, 0, "--method", method, "--json"))["objects"]
     for number, each in enumerate(objects, start=1):
         x, y, z = (f"{value * 1000:.2f}" for value in each["position_m"])
-        assert re.search(rf"^ *{number} +{re.escape(x)} +{re.escape(y)} +{re.escape(z)} ", text, re.M)
+        start = rf"^ *{number} +{re.escape(x)} +{re.escape(y)} +{re.escape(z)}"
+        assert re.search(rf"{start} +[0-9.]+ +{each['confidence']:.4f} ", text, re.M)
 
 
 def test_replay_gives_for_each_pair_what_locate_gives(images: Path, offline: list[dict[str, Any]]) -> None:

@@ -28,10 +28,12 @@ _COLUMNS = (
     "right_u",
     "right_v",
     *_COVARIANCE,
+    "confidence",
 )
 OBJECT_ROW = np.dtype([*((name, np.float64) for name in _COLUMNS), ("kind", np.uint8)], align=True)
-"""Columns of `objects`: metres and radians in the frame of the header, raw pixels, covariance in m²; kind: its place in
-`stereo_pick.core.correspondence.extent.KINDS`, 0 for an unknown one, whose height is 0."""
+"""Columns of `objects`: metres and radians in the frame of the header, raw pixels, covariance in m²; confidence:
+that of `ObjectPoses`; kind: its place in `stereo_pick.core.correspondence.extent.KINDS`, 0 for an unknown one, whose
+height is 0."""
 
 
 def pose_array_message(poses: ObjectPoses, frame_id: str) -> PoseArray:
@@ -40,11 +42,11 @@ def pose_array_message(poses: ObjectPoses, frame_id: str) -> PoseArray:
 
 
 def objects_message(poses: ObjectPoses, frame_id: str) -> PointCloud2:
-    """The same objects with size, ray gap, raw pixels and covariance; row i belongs to pose i."""
+    """The same objects with size, ray gap, raw pixels, covariance and confidence; row i belongs to pose i."""
     table = np.column_stack(
         [
             poses.xyz, poses.heading_rad, poses.size_m, poses.ray_gap,
-            poses.left_px, poses.right_px, poses.covariance.reshape(len(poses), 9),
+            poses.left_px, poses.right_px, poses.covariance.reshape(len(poses), 9), poses.confidence,
         ]
     )  # fmt: skip
     rows = np.zeros(len(poses), OBJECT_ROW)
@@ -96,4 +98,4 @@ def _poses(poses: ObjectPoses) -> list[Pose]:
 def _label(index: int, poses: ObjectPoses) -> str:
     x, y, z = poses.xyz[index] * 1000
     sigma = np.sqrt(poses.covariance[index, 2, 2]) * 1000
-    return f"{index + 1}: {x:.1f} {y:.1f} {z:.1f} mm (z ± {sigma:.1f})"
+    return f"{index + 1}: {x:.1f} {y:.1f} {z:.1f} mm (z ± {sigma:.1f}, confidence {poses.confidence[index]:.3f})"
