@@ -35,13 +35,16 @@ _SIGMAS = 2.0  # of the table as it was found
 _HANGS = 0.5  # of its least size above the table, where a solid is mistaken rather than on top of something
 
 
-def placed_surely(images: Images, seen: Sequence[Seen], before: Table | None, warped: WarpedViews | None) -> list[Row]:
-    """Where the solids are, and how sure that is, but what is astray as it was; before: the table as it was found."""
+def placed_surely(
+    images: Images, seen: Sequence[Seen], exact: Sequence[SolidFit], before: Table | None, warped: WarpedViews | None
+) -> list[Row]:
+    """Where the solids are, and how sure that is, but what is astray as it was; exact: where their edges put them
+    exactly; before: the table as it was found."""
     table = warped.table if warped else None
     fits = [each.fit for _, each in seen]
     moved_m = table_moved_m(fits, before, table)
     placed = []
-    for (row, each), by_m in zip(seen, moved_m):
+    for (row, each), exactly, by_m in zip(seen, exact, moved_m):
         if each.is_astray:
             placed.append(row)
             continue
@@ -49,7 +52,7 @@ def placed_surely(images: Images, seen: Sequence[Seen], before: Table | None, wa
         doubt = _doubt(images, row, each, table, by_m)
         if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_all_of(blobs[0], fits)):
             doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
-        placed.append((blobs, by_adjusted(images.rig, where, fit, doubt)))
+        placed.append((blobs, by_adjusted(images.rig, where, exactly, doubt)))
     return placed
 
 

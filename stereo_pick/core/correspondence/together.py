@@ -20,6 +20,7 @@ from stereo_pick.core.objects.blob import CUT
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
 
@@ -61,7 +62,8 @@ def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts:
     open_ = [Unread("other_shape", *blobs) for blobs, _ in unlike] + list(reading.unread)
     warped = WarpedViews(images.pair, common) if common else None
     seen, refused = _looked_for_again(images, open_, seen, rest + astray, warped)
-    placed = placed_surely(images, seen, table, warped)
+    exact = _exactly(images, seen, table if known else common, known)
+    placed = placed_surely(images, seen, exact, table, warped)
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
     if warped is not None and not flat_parts:
         flat += _printed(warped, [(row, each) for row, (_, each) in zip(placed, seen) if row not in flat])
@@ -84,6 +86,13 @@ def _adjusted(
 ) -> tuple[list[Adjusted], Table | None]:
     fits = [where.fit for _, where in rows if where.fit is not None]
     return adjusted(fits, images.maps, images.rig, table, known) if fits else ([], table)
+
+
+def _exactly(images: Images, seen: Sequence[Seen], table: Table | None, known: bool) -> list[SolidFit]:
+    """The solids where their edges put them once these are placed as exactly as can be; what is astray as it was."""
+    clear = [each.fit for _, each in seen if not each.is_astray]
+    found = iter(adjusted(clear, images.exact_maps, images.rig, table, known)[0] if clear else [])
+    return [each.fit if each.is_astray else next(found).fit for _, each in seen]
 
 
 def _looked_for_again(

@@ -28,7 +28,7 @@ _MODELLED_PX = OFFSETS_PX[_PLAIN:]
 _FREEDOM = len(_MODELLED_PX) - 4
 # Behind the edge of a flat face the light changes linearly with the distance, behind the limb of a round one with
 # its square root (Lambert): one power for both.
-_SHADING_POWER = 0.75
+SHADING_POWER = 0.75
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,12 +36,14 @@ class Edges:
     """What N profiles show: place_px (N,), where along OFFSETS_PX the surface ends; step (N,), by how much it is
     brighter there than what is outside [grey levels]; sharpness (N,), the part of the change of light that happens
     there at once, 1 at the edge of a flat face, about one half at the limb of a round part, near 0 where light
-    merely fades on a surface, negative where the inside is the darker one; squares (N,), what the model leaves."""
+    merely fades on a surface, negative where the inside is the darker one; squares (N,), what the model leaves;
+    spread_px (N,), one sigma of the place, where it is known."""
 
     place_px: Floats
     step: Floats
     sharpness: Floats
     squares: Floats
+    spread_px: Floats | float = 0.0
 
 
 def find_edges(profiles: Floats, blur_px: float, part: Ints | None = None) -> Edges:
@@ -131,8 +133,8 @@ def _model(blur_px: float) -> _Model:
     bases, solve = [], []
     for place_px in _EDGES_PX:
         inside = _MODELLED_PX - place_px
-        shading = _blurred(_SHADING_POWER, inside, blur_px) / inside[-1] ** _SHADING_POWER
-        model = np.stack([_blurred(0.0, inside, blur_px), shading], axis=1)
+        shading = blurred(SHADING_POWER, inside, blur_px) / inside[-1] ** SHADING_POWER
+        model = np.stack([blurred(0.0, inside, blur_px), shading], axis=1)
         basis, triangle = np.linalg.qr(model - model.mean(axis=0))
         bases.append(basis)
         solve.append(np.linalg.inv(triangle)[[0, 0, 1], [0, 1, 1]])
@@ -149,7 +151,7 @@ def _all_models() -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     return first.reshape(len(first), -1).astype(np.float32), second.reshape(len(second), -1).astype(np.float32)
 
 
-def _blurred(power: float, at_px: Floats, blur_px: float) -> Floats:
+def blurred(power: float, at_px: Floats, blur_px: float) -> Floats:
     """`distance ** power` inside the edge, nothing outside, seen through a Gaussian blur."""
     reach = int(np.ceil(4 * blur_px / _FINE_PX))
     spread = (np.arange(-reach, reach) + 0.5) * _FINE_PX  # no edge lies on one of these

@@ -103,19 +103,19 @@ def adjusted(
         plane = _tilted(plane, step) if plane else None
         if max(_farthest(*each) for each in zip(groups, steps)) < _HARDLY:
             break
-    found = _as_sure_as_scattered(groups, edges, plane, prior)
+    found = _as_sure_as_scattered(groups, edges, plane, prior, views[0].light)
     by_row = {row: each for group, several in zip(groups, found) for row, each in zip(group.rows.tolist(), several)}
     return [by_row[row] for row in range(len(fits))], _as_table(plane, covariance) if plane else None
 
 
 def _as_sure_as_scattered(
-    groups: Sequence[_Group], edges: Sequence[Seen], plane: _Plane | None, prior: Floats
+    groups: Sequence[_Group], edges: Sequence[Seen], plane: _Plane | None, prior: Floats, light: float
 ) -> list[list[Adjusted]]:
     """The solids of each group where they are, as sure as the arcs of the scene lie on them.
 
     These are no weights to adjust by: they would change from round to round.
     """
-    sigmas_px = arc_sigmas_px([each.arcs for each in edges], [each.shown for each in edges])
+    sigmas_px = arc_sigmas_px([each.arcs for each in edges], [each.shown for each in edges], light)
     seen = [each.evidence(sigma_px) for each, sigma_px in zip(edges, sigmas_px)]
     systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
     _, covariance = _solved(systems, prior, np.zeros(5))

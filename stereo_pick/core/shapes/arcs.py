@@ -11,6 +11,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.evidence import ARC_PX, USUAL_PX
 
 USUAL_SIGMA_PX = 0.11  # by which light moves an arc, as a rule
+EXACT = 0.58  # of how far light moves arcs, where their edges are placed as exactly as can be
 _KNOWN = 0.3  # of the points of an arc, in which it is trusted
 _USUAL_OFF_PX = 0.04  # that an arc lies off its solid
 _COUNTS_FOR = 10.0  # arcs, so much what is usual says of a scene, and a scene of each of its solids
@@ -51,16 +52,17 @@ def usual_sigma_px(scale_px: Floats, shown: Floats) -> Floats:
     return USUAL_SIGMA_PX * np.maximum(1.0, scale_px / USUAL_PX) * _distrust(shown)
 
 
-def arc_sigmas_px(groups: Sequence[Arcs], shown: Sequence[Floats]) -> list[Floats]:
+def arc_sigmas_px(groups: Sequence[Arcs], shown: Sequence[Floats], light: float = 1.0) -> list[Floats]:
     """One sigma (S,) [px] by which light moves an arc of each solid of the groups of a scene.
 
     A solid goes with its edges as far as its unknowns let it, so arcs lie off it by less than they are moved. Few of
-    them say little, and the light is the same for all of a scene (empirical Bayes). shown: (S,), as above.
+    them say little, and the light is the same for all of a scene (empirical Bayes). shown: (S,), as above; light: as of
+    `EdgeMap`.
     """
     squares = sum(float(each.squares_px2.sum()) for each in groups)
     number = sum(float(each.number.sum()) for each in groups)
     of_scene = (squares + _COUNTS_FOR * _USUAL_OFF_PX**2) / (number + _COUNTS_FOR)
-    return [_moved_px(arcs, of_scene) * _distrust(part) for arcs, part in zip(groups, shown)]
+    return [light * _moved_px(arcs, of_scene) * _distrust(part) for arcs, part in zip(groups, shown)]
 
 
 def _moved_px(arcs: Arcs, of_scene_px2: float) -> Floats:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats
-from stereo_pick.core.objects.edge_model import OFFSETS_PX, find_edges
+from stereo_pick.core.objects.edge_model import OFFSETS_PX
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.sampling import sampled
 from stereo_pick.core.shapes.arcs import Arcs, arcs_of
@@ -165,7 +165,7 @@ def _measured(view: EdgeMap, points_px: Floats, normals: Floats, seen: Bools) ->
     if not seen.any():
         return offset, weight
     places = points_px[seen][:, None] - OFFSETS_PX[:, None] * normals[seen][:, None]
-    edges = find_edges(sampled(view.image, places), view.modelled_blur_px)
+    edges = view.edges(sampled(view.image, places))
     offset[seen] = edges.place_px
     weight[seen] = np.where(np.abs(edges.place_px) < _REACH_PX, trust(edges, view.noise), 0.0)
     return offset, weight

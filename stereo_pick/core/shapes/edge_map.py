@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import cv2
@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.camera import Camera
-from stereo_pick.core.objects.edge_model import BLURS_PX, nearest_blur_px
+from stereo_pick.core.objects.edge_model import BLURS_PX, Edges, find_edges, nearest_blur_px
+from stereo_pick.core.objects.edge_places import places_px
 from stereo_pick.core.objects.outline import upper_median
 from stereo_pick.core.sampling import remapped
+from stereo_pick.core.shapes.arcs import EXACT
 
 USUAL_BLUR_PX = 0.85  # of a lens, with the rectification
 _SURELY_OTHER = 1.2  # factor: the blurs that sharp views show differ by as much
@@ -31,7 +33,7 @@ _LEAST_NOISE = 0.1  # grey levels a pixel: rounding alone
 @dataclass(frozen=True, eq=False)
 class EdgeMap:
     """A rectified view (H, W), one sigma of its gradient [grey levels/px] where there are no edges, and the blur of
-    its lens [px, one sigma].
+    its lens [px, one sigma]. is_exact: whether edges are placed as exactly as can be, which is for known ones alone.
 
     The gradient is made where it is asked for: that takes a fraction of the time that the whole view takes.
     """
@@ -40,6 +42,20 @@ class EdgeMap:
     noise: float
     camera: Camera
     blur_px: float
+    is_exact: bool = False
+
+    @property
+    def light(self) -> float:
+        """How much light moves its edges, as a part of what is usual."""
+        return EXACT if self.is_exact else 1.0
+
+    def edges(self, profiles: Floats, part: Ints | None = None) -> Edges:
+        """The edges in profiles, as of `find_edges`."""
+        edges = find_edges(profiles, self.modelled_blur_px, part)
+        if not self.is_exact:
+            return edges
+        place_px, spread_px = places_px(profiles, self.modelled_blur_px)
+        return replace(edges, place_px=place_px, spread_px=spread_px)
 
     @property
     def modelled_blur_px(self) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -111,6 +111,11 @@ class Images:
         """The edges of both views."""
         pair, rig = self.pair, self.rig
         return [EdgeMap.of(*view) for view in zip((pair.left, pair.right), (rig.left, rig.right), self._blurs_px)]
+
+    @cached_property
+    def exact_maps(self) -> list[EdgeMap]:
+        """The same, where edges are placed as exactly as can be."""
+        return [replace(each, is_exact=True) for each in self.maps]
 
     def look_at(self, readings: Sequence[Pair]) -> None:
         """Find out at once what is asked for `best` of many outlines: one by one takes several times as long."""

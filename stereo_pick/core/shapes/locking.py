@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats
-from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges, find_edges
+from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.sampling import sampled
 from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
@@ -31,6 +31,7 @@ _MIDDLE_PX = 0.5  # so that edges are looked for farther outside than inside, wh
 _NOISE_PX = 1.45 * float(np.sqrt(2 * np.sqrt(np.pi))) * NOISE_OF_PIXELS
 _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
+_UNSURE_PX = 0.25  # sigma of a place that counts for half
 ON_EDGE_PX = 0.6
 _LEAST_HELD = 8  # points on edges, in each view, without which a solid stays where it is
 
@@ -131,7 +132,7 @@ def _edges_near(
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
         profiles = sampled(view.image, points_px[:, None] - inwards[:, None] * normals[:, None])
-        edges = find_edges(profiles, blur_px, solid)
+        edges = view.edges(profiles, solid)
         offset = edges.place_px - _MIDDLE_PX + shift
         best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, trust(edges, noise), edges.step], best)
     darker = np.flatnonzero((best[2] < 0) & (best[1] > 0))
@@ -142,7 +143,8 @@ def _edges_near(
 
 
 def trust(edges: Edges, noise: float) -> Floats:
-    """How far (N,) each is an edge: 0 where it is no clear one."""
+    """How far (N,) each is an edge: 0 where it is no clear one; less, the less sure its place is."""
     sharp = np.abs(edges.sharpness)
     clear = (np.abs(edges.step) > _MIN_STEP * noise) & (sharp > _MIN_SHARPNESS)
-    return np.asarray(np.where(clear, np.minimum(1.5 * sharp, 1.0), 0.0))
+    sure = 1 / (1 + (edges.spread_px / _UNSURE_PX) ** 2)
+    return np.asarray(np.where(clear, np.minimum(1.5 * sharp, 1.0) * sure, 0.0))
