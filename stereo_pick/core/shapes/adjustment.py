@@ -36,7 +36,8 @@ _LEAST_HALF = 0.02  # of its size
 _HARDLY = 3e-5  # ... and less than which is nothing
 _DOUBTED = 10.0  # sigmas from which on it is doubted that a solid touches the table as it should
 _UNKNOWN = 1000.0  # sigma
-_TURN_RAD = 0.0003  # sigma of the right camera's turns that the ends of outlines do not tell
+_TURN_RAD = 0.0003  # sigma of the right camera's turns that the ends of outlines do not tell ...
+_TURN_ASKED_RAD = 0.001  # ... but exact edges: as after a bump, or an hour of warmth
 _FOOT_M = 0.00008  # sigma of the middle of what stands in its own shadow: that hides where it ends
 _BESIDE_M = 0.1  # from the middle of the solids, where others may stand
 
@@ -88,11 +89,12 @@ def adjusted(
     groups = _groups(fits, table)
     occluders = Occluders.of([*fits, *before], rig)
     plane = _plane(table, fits) if table else None
-    prior = _prior(plane.table if plane and known else None)
+    turn_rad = _TURN_ASKED_RAD if views[0].is_exact else _TURN_RAD
+    prior = _prior(plane.table if plane and known else None, turn_rad)
     moved_by = np.zeros(5)  # tilts and height of the table, turns of the right camera
     for round_ in range(_ROUNDS + 1):
         edges = [edges_seen(group.solids, views, rig, moved_by[3:], group.hidden_by(occluders)) for group in groups]
-        seen = [each.evidence(usual_sigma_px(each.scale_px, each.shown)) for each in edges]
+        seen = [each.evidence(views[0].light * usual_sigma_px(each.scale_px, each.shown)) for each in edges]
         systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
         step, covariance = _solved(systems, prior, moved_by)
         if round_ == _ROUNDS:
@@ -138,10 +140,10 @@ def _plane(table: Table, fits: Sequence[SolidFit]) -> _Plane:
     return _Plane(table, np.linalg.svd(table.normal[None])[2][1:], middle_m)
 
 
-def _prior(table: Table | None) -> Floats:
+def _prior(table: Table | None, turn_rad: float) -> Floats:
     """What is known (5, 5) of the tilts and the height of a table, if it is known, and of the camera's turns."""
     sigma = [table.tilt_rad, table.tilt_rad, table.sigma_m] if table else [_UNKNOWN] * 3
-    return np.diag(np.array([*sigma, _TURN_RAD, _TURN_RAD]) ** -2.0)
+    return np.diag(np.array([*sigma, turn_rad, turn_rad]) ** -2.0)
 
 
 def _system(group: _Group, seen: EdgeEvidence, plane: _Plane | None) -> _System:
