@@ -34,9 +34,8 @@ LIES_AMONG_ITS_SHADOWS = [
     ("tubes", 19, 1),
 ]
 ITS_TOP_SEEMED_FLAT = [("glossy", 9, 2)]
-OF_METAL = ("glossy", 203, 3)
-"""Exact edges move parts of metal about, for better and for worse: by plain ones this one was less than 0.5 mm off."""
-SEEMED_TO_HANG = [OF_METAL, ("bright_and_dark", 212, 0)]
+FARTHER_OFF = pytest.mark.xfail(reason="of metal: 0.62 mm off since known edges are placed exactly", strict=True)
+SEEMED_TO_HANG = [pytest.param("glossy", 203, 3, marks=FARTHER_OFF), ("bright_and_dark", 212, 0)]
 THE_VIEWS_SHOW_DIFFERENT_PIECES = [
     ("occluded", 240, 1),
     ("occluded", 251, 2),
@@ -66,8 +65,7 @@ HALF_OF_IT_SHOWS = [("light_differences", 209, 1), ("glossy", 207, 4), ("glossy"
 )
 def test_what_was_refused_is_found_by_the_edges_around_it(family: str, seed: int, which: int) -> None:
     result = found(family, seed)
-    most_m = 7e-4 if (family, seed, which) == OF_METAL else 5e-4
-    assert {each.which: each.distance_m for each in result.found}[which] < most_m
+    assert {each.which: each.distance_m for each in result.found}[which] < 5e-4
     assert result.wrong == 0 and len(result.ghosts_m) == 0
 
 
