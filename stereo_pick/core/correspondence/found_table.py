@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from stereo_pick.core.correspondence.last_look import LastLook
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.on_table import OnTable, is_sure
 from stereo_pick.core.correspondence.position import BlobPair, Row
@@ -19,6 +20,7 @@ from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.table import Table
 
 _TRIED_TABLES, _TRIED_PAIRS = 4, 3
+_LOOKED_AT = 2  # supposed tables, more thoroughly: that takes longer
 _LEAST = 2  # objects that must stand on a table before they say more about it
 
 Shaded = Callable[[], Sequence[Table]]
@@ -45,23 +47,22 @@ class TableSearch:
     shaded: Shaded
 
     def table(self, kept: Sequence[Row]) -> FoundTable | None:
-        """The table that the objects found agree on, with what the edges alone say of the others if need be; or one
-        that lit faces let suppose; or one that they agree on once all their own edges have put them where they are; or
-        one that shadows, or one of the objects, let suppose, and on which another object is found, too."""
+        """The table that the objects found agree on, if need be once all their own edges have put them where they are;
+        or that shadows show; or that the objects agree on with what the edges alone say of the others; or that lit
+        faces, or one of the objects, let suppose, and on which another one is found."""
         fits = [where.fit for _, where in kept if where.fit is not None]
-        table = common_table(fits, self._level)
+        table = common_table(fits, self._level) or common_table(self._clear(fits), self._level)
         if table is None:
             fits = fits + self._bodies()
-            table = (
-                common_table(fits, self._level)
-                or self._below_faces(fits)
-                or common_table(self._clear(fits), self._level)
-            )
-        if table is None:
             shaded = self._stood_on(kept, fits)
             if shaded is not None:
                 return FoundTable(shaded, True)
-            table = self._verified(kept, fits)
+            table = (
+                common_table(fits, self._level)
+                or self._below_faces(fits)
+                or self._verified(kept, fits)
+                or self._looked_at(kept, fits, supposed_tables(fits)[:_LOOKED_AT])
+            )
         return FoundTable(self._bettered(kept, table), False) if table else None
 
     def _bettered(self, kept: Sequence[Row], table: Table) -> Table:
@@ -116,18 +117,18 @@ class TableSearch:
 
     def _stood_on(self, kept: Sequence[Row], fits: Sequence[SolidFit]) -> Table | None:
         """The table that shadows show, if most objects stand on it, some of which may not be what they seem without it;
-        one that was found without it among them, and no ball: these stand on any plane."""
-        turned = [fit for fit in fits if fit.kind != SPHERE.name]
-        for table in self.shaded() if turned else ():
-            if not any(stands_on(table, fit) for fit in turned):
+        one that was found without it among them, and no ball: these stand on any plane. Or that on which all edges show
+        another object."""
+        tables = list(self.shaded())
+        for table in tables:
+            if not any(stands_on(table, fit) for fit in fits if fit.kind != SPHERE.name):
                 continue
-            others = [blobs for blobs, where in kept if where.fit is None or not stands_on(table, where.fit)]
-            found = [each.fit for each in self._on(table).solids([*others, *self.pairs][:_TRIED_PAIRS]) if each]
+            found = [each.fit for each in self._on(table).solids(self._not_on(table, kept)) if each]
             several = _each_once(found, fits)
             standing = [fit for fit in several if stands_on(table, fit)]
             if 2 * len(standing) > len(several):
                 return table
-        return None
+        return self._looked_at(kept, fits, tables)
 
     def _on(self, table: Table) -> OnTable:
         return OnTable(self.images, table, self.flat_parts)
@@ -140,6 +141,20 @@ class TableSearch:
             if agreed is not None:
                 return agreed
         return None
+
+    def _looked_at(self, kept: Sequence[Row], fits: Sequence[SolidFit], tables: Sequence[Table]) -> Table | None:
+        """The first of these tables on which all edges around something that does not stand on it show a solid."""
+        for table in tables:
+            standing = [fit for fit in fits if stands_on(table, fit)]
+            look = LastLook(self.images.behind(standing), table, standing, [])
+            if any(look.at(blobs, standing) for blobs in self._not_on(table, kept)):
+                return table
+        return None
+
+    def _not_on(self, table: Table, kept: Sequence[Row]) -> list[BlobPair]:
+        """The few outlines most worth a look of what is not known to stand on a table."""
+        others = [blobs for blobs, where in kept if where.fit is None or not stands_on(table, where.fit)]
+        return [*others, *self.pairs][:_TRIED_PAIRS]
 
 
 def _each_once(found: Sequence[SolidFit], fits: Sequence[SolidFit]) -> list[SolidFit]:

@@ -96,7 +96,7 @@ def _is_half_lit(images: Images, blobs: BlobPair, outlines: Pair, max_concavity:
 
 def _tube(images: Images, blobs: BlobPair, outlines: Pair) -> Supported | None:
     """The tube that an object is, as a cylinder, where its outlines are its own all around, and sharp nearly all."""
-    if any(blob.cut_share > 0 or blob.fading > _MAY_FADE_UNEXPLAINED for blob in blobs):
+    if any(blob.cut_share > MAY_BE_CUT or blob.fading > _MAY_FADE_UNEXPLAINED for blob in blobs):
         return None
     if not can_be_fitted(outlines) or shows_one_face(*blobs, images.rig):
         return None

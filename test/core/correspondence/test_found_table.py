@@ -17,6 +17,8 @@ from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.hypotheses import Images
 
+NOT_WHAT_OBJECTS_HINT_AT = [("labels", 13, 0), ("labels", 13, 1), ("labels", 23, 1)]
+
 
 @pytest.mark.parametrize(("thick_m", "tells"), [(0.03, True), (0.01, False)])
 def test_a_rod_does_not_as_it_may_be_light_that_mirrors_in_a_body(
@@ -39,7 +41,9 @@ def test_a_rod_does_not_as_it_may_be_light_that_mirrors_in_a_body(
     assert (fit in told) is tells
 
 
-@pytest.mark.parametrize(("family", "seed", "which"), [("planks_and_prints", 4, 1), ("glossy", 15, 1)])
+@pytest.mark.parametrize(
+    ("family", "seed", "which"), [("planks_and_prints", 4, 1), ("glossy", 15, 1), *NOT_WHAT_OBJECTS_HINT_AT]
+)
 def test_shadows_and_grain_show_it_where_the_objects_do_not_agree(family: str, seed: int, which: int) -> None:
     assert {each.which: each.distance_m for each in found(family, seed).found}[which] < 5e-4
 
@@ -48,3 +52,9 @@ def test_solids_agree_on_it_that_do_not_by_their_outlines_alone() -> None:
     """Without a table a box was 22 mm too short, and sure of it."""
     result = found("elevation_30_to_90", 240)
     assert len(result.missed) == 0 and max(each.distance_m for each in result.found) < 1e-3
+
+
+@pytest.mark.parametrize(("family", "seed", "which"), [("tubes", 7, 1), ("tubes", 7, 3), ("textured_parts", 27, 3)])
+def test_one_lets_suppose_it_and_all_edges_of_another_bear_that_out(family: str, seed: int, which: int) -> None:
+    """Without a table the second of these was 3 mm off; the others were refused."""
+    assert {each.which: each.distance_m for each in found(family, seed).found}[which] < 5e-4
