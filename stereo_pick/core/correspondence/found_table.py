@@ -74,8 +74,10 @@ class TableSearch:
             return table
         found, better = adjusted(standing, self.images.maps, self.images.rig, table, known=True)
         clear = [each.fit for each in found if each.is_clear]
-        if better is None or not _LEAST <= len(clear) < len(standing):
+        if better is None or len(clear) == len(standing):
             return better or table
+        if len(clear) < _LEAST:
+            return self._looked_at(kept, clear, [better, *supposed_tables(clear)[:_LOOKED_AT]]) or better
         return adjusted(clear, self.images.maps, self.images.rig, better, known=True)[1] or better
 
     def _leaves_open(self, kept: Sequence[Row], table: Table) -> bool:

@@ -8,7 +8,7 @@ for that, as of a ball lit from one side, where its edges alone put it on the ta
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -53,6 +53,14 @@ class LastLook:
     table: Table
     before: Sequence[SolidFit]
     besides: Sequence[Located]
+
+    def without(self, where: Located) -> LastLook:
+        """The same, where that object need not stay what it is."""
+        return replace(self, besides=[each for each in self.besides if each is not where])
+
+    def beside(self, where: Located) -> LastLook:
+        """The same, where that object stays what it is."""
+        return replace(self, besides=[*self.besides, where])
 
     def at(self, blobs: BlobPair, others: Sequence[SolidFit], shown: float = 0.0) -> Seen | None:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there

@@ -61,7 +61,7 @@ def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts:
     seen = [(row, each) for row, each in zip(sound, found) if each.is_seen]
     open_ = [Unread("other_shape", *blobs) for blobs, _ in unlike] + list(reading.unread)
     warped = WarpedViews(images.pair, common) if common else None
-    seen, refused = _looked_for_again(images, open_, seen, rest + astray, warped)
+    seen, refused, rest = _looked_for_again(images, open_, seen, rest, astray, warped)
     exact = _exactly(images, seen, table if known else common, known)
     placed = placed_surely(images, seen, exact, table, warped)
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
@@ -96,20 +96,49 @@ def _exactly(images: Images, seen: Sequence[Seen], table: Table | None, known: b
 
 
 def _looked_for_again(
-    images: Images, open_: Sequence[Unread], seen: Sequence[Seen], besides: Sequence[Row], warped: WarpedViews | None
-) -> tuple[list[Seen], list[Unread]]:
-    """Those that are seen, some of them as another solid on the table as it is at last: what lacks its creases, and
-    what was refused, is looked for again where none of the others, or of those besides, is; and what stays refused."""
+    images: Images,
+    open_: Sequence[Unread],
+    seen: Sequence[Seen],
+    rest: Sequence[Row],
+    astray: Sequence[Row],
+    warped: WarpedViews | None,
+) -> tuple[list[Seen], list[Unread], list[Row]]:
+    """Those that are seen, some of them as another solid on the table as it is at last; what stays refused; and what of
+    the rest is no solid."""
     if warped is None:
-        return list(seen), list(open_)
-    table = warped.table
+        return list(seen), list(open_), list(rest)
+    before = [each.fit for _, each in seen if each.creased >= CREASED and each.is_clear]
+    behind = images.as_rough_as(before).behind(before)
+    look = LastLook(behind, warped.table, before, [where for _, where in [*rest, *astray]])
+    found, rest = _read_again(look, seen, rest)
+    look = replace(look, besides=[where for _, where in [*rest, *astray]])
+    return *_found_after_all(images, look, open_, found, warped), rest
+
+
+def _read_again(look: LastLook, seen: Sequence[Seen], rest: Sequence[Row]) -> tuple[list[Seen], list[Row]]:
+    """What is seen, where it lacks its creases perhaps as another solid, and what no solid explained but one does now;
+    and the others of these."""
     found = [(row, each) for row, each in seen if each.creased >= CREASED]
-    before = [each.fit for _, each in found if each.is_clear]
-    look = LastLook(images.as_rough_as(before).behind(before), table, before, [where for _, where in besides])
     for row, as_it_was in [one for one in seen if one not in found]:
         others = [each.fit for one, each in [*seen, *found] if one is not row]
         found.append(look.at(row[0], others, as_it_was.shown) or (row, as_it_was))
-    refused = list(open_)
+    left = []
+    for row in rest:
+        look = look.without(row[1])
+        another = look.at(row[0], [each.fit for _, each in found]) if row[1].fit is None else None
+        if another is None:
+            left.append(row)
+            look = look.beside(row[1])
+        else:
+            found.append(another)
+    return found, left
+
+
+def _found_after_all(
+    images: Images, look: LastLook, open_: Sequence[Unread], seen: Sequence[Seen], warped: WarpedViews
+) -> tuple[list[Seen], list[Unread]]:
+    """What is seen, with those of the refused that are found where none of the others is; and what stays refused."""
+    found, refused = list(seen), list(open_)
     for unread in may_be_found(open_):
         another = look.at_refused(unread, [each.fit for _, each in found])
         if another is None:

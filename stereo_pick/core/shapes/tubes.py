@@ -12,7 +12,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.evidence import centre_covariance, determined
-from stereo_pick.core.shapes.fitting import NOISE_PX, Pair
+from stereo_pick.core.shapes.fitting import NOISE_PX, Pair, few_of_kind
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, TUBE
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
@@ -22,6 +22,7 @@ from stereo_pick.core.shapes.solids import Solids
 
 _ROUGH = 1 / 50  # of its diameter by which a tube's outlines may lie off it ...
 _MOST = 2 / 3  # ... of their points
+_FEW = 4  # tubes that come near to rough outlines, of which several may by as much
 _LEAST_AT_END = 4  # points, in both views
 _MORE_ROUNDS = 12  # after the search, which ends some micrometres short, and not always at the same ones
 
@@ -30,8 +31,10 @@ def tube_of(images: Images, outlines: Pair) -> Supported | None:
     """The tube, as a cylinder, that explains most of an object's outlines in both views; None where it does not, where
     an end does not show, or where another solid explains more. Its centre is as unsure as it is that it is no other."""
     sight = Sight.of([outlines], images.rig).without_corners()
-    tube = _seen_as(sight, images.of_kind(outlines, TUBE)[0])
-    rough_px = max(_ROUGH * _width_px(tube.solids, sight.focal_px), NOISE_PX)
+    found = few_of_kind(outlines, images.rig, TUBE, _FEW)
+    tubes = [_seen_as(sight, found.solids.only(np.array([i]))) for i in range(len(found.weight))]
+    rough_px = max(_ROUGH * _width_px(tubes[0].solids, sight.focal_px), NOISE_PX)
+    tube = max(tubes, key=lambda each: _share(each, rough_px))
     share, own = _share(tube, rough_px), _own_edges(sight, tube)
     if share < _MOST or not _shows_both_ends(own) or not determined(own, centre_covariance(own, NOISE_PX))[0]:
         return None
