@@ -42,6 +42,14 @@ def test_what_has_not_the_creases_of_a_prism_or_lies_off_its_edges_is_refused(fa
     assert max(each.distance_m for each in result.found) < 2e-3 and len(result.ghosts_m) == 0
 
 
+@pytest.mark.parametrize(("family", "seed", "which"), [("textured_parts", 5, 2), ("tubes", 15, 2)])
+def test_what_no_solid_explained_is_one_where_the_others_and_the_table_are_known(
+    family: str, seed: int, which: int
+) -> None:
+    """Of unknown shape, together with their shadows, they were 6 and 11 mm off."""
+    assert {each.which: each.distance_m for each in found(family, seed).found}[which] < 5e-4
+
+
 def test_marks_of_a_print_that_are_matched_with_wrong_ones_are_no_solids() -> None:
     """One was a prism of 11 mm, on a carton on an empty table."""
     result = found("empty", 211)
