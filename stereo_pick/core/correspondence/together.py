@@ -40,7 +40,8 @@ class Together:
 
 
 def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts: bool) -> Together:
-    """The objects where all edges together put them that solids explain, and the others as they are.
+    """The objects where all edges together put them that solids explain, if need be at a last look, and the others as
+    they are.
 
     known: whether the table is known without them; flat_parts: whether parts may be flat.
     """
