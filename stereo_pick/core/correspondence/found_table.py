@@ -54,7 +54,7 @@ class TableSearch:
         table = common_table(fits, self._level) or common_table(self._clear(fits), self._level)
         if table is None:
             fits = fits + self._bodies()
-            shaded = self._stood_on(kept, fits)
+            shaded = self._by_shadows(kept, fits)
             if shaded is not None:
                 return FoundTable(shaded, True)
             table = (
@@ -117,11 +117,11 @@ class TableSearch:
                 return common_table(standing, self._level) or table
         return None
 
-    def _stood_on(self, kept: Sequence[Row], fits: Sequence[SolidFit]) -> Table | None:
+    def _by_shadows(self, kept: Sequence[Row], fits: Sequence[SolidFit]) -> Table | None:
         """The table that shadows show, if most objects stand on it, some of which may not be what they seem without it;
         one that was found without it among them, and no ball: these stand on any plane. Or that on which all edges show
         another object."""
-        tables = list(self.shaded())
+        tables = self.shaded()
         for table in tables:
             if not any(stands_on(table, fit) for fit in fits if fit.kind != SPHERE.name):
                 continue

@@ -58,10 +58,6 @@ class LastLook:
         """The same, where that object need not stay what it is."""
         return replace(self, besides=[each for each in self.besides if each is not where])
 
-    def beside(self, where: Located) -> LastLook:
-        """The same, where that object stays what it is."""
-        return replace(self, besides=[*self.besides, where])
-
     def at(self, blobs: BlobPair, others: Sequence[SolidFit], shown: float = 0.0) -> Seen | None:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there
         is none, or where it is open which it is. shown: of its silhouette, as what it was taken for."""

@@ -125,13 +125,13 @@ def _read_again(look: LastLook, seen: Sequence[Seen], rest: Sequence[Row]) -> tu
         found.append(look.at(row[0], others, as_it_was.shown) or (row, as_it_was))
     left = []
     for row in rest:
-        look = look.without(row[1])
-        another = look.at(row[0], [each.fit for _, each in found]) if row[1].fit is None else None
+        alone = look.without(row[1])
+        another = alone.at(row[0], [each.fit for _, each in found]) if row[1].fit is None else None
         if another is None:
             left.append(row)
-            look = look.beside(row[1])
-        else:
-            found.append(another)
+            continue
+        found.append(another)
+        look = alone
     return found, left
 
 

@@ -64,7 +64,7 @@ def test_the_centre_of_an_unknown_shape_is_anywhere_within_its_width(radius_px: 
 
 @pytest.mark.parametrize(("family", "seed"), [("labels", 12), ("many_small", 337)])
 def test_what_is_wrong_says_so(family: str, seed: int) -> None:
-    """A box seen in part, 18 mm off; a cylinder without rims for a box of which no edge shows inside, 10 mm off (d2
+    """A box of unknown shape, 18 mm off; a cylinder without rims for a box of which no edge shows inside, 10 mm off (d2
     153)."""
     result = found(family, seed)
     assert result.wrong >= 1 and result.unadmitted == 0

@@ -46,7 +46,7 @@ def test_what_has_not_the_creases_of_a_prism_or_lies_off_its_edges_is_refused(fa
 def test_what_no_solid_explained_is_one_where_the_others_and_the_table_are_known(
     family: str, seed: int, which: int
 ) -> None:
-    """Of unknown shape, together with their shadows, they were 6 and 11 mm off."""
+    """Of unknown shape, they were 6 and 11 mm off."""
     assert {each.which: each.distance_m for each in found(family, seed).found}[which] < 5e-4
 
 
