@@ -32,6 +32,7 @@ _USUAL_RAD = 0.002  # a turn, before the ends are asked
 _LOOSE = np.eye(2) * (_END_PX / _USUAL_RAD) ** 2
 _SURELY = 13.8  # chi-square of two degrees of freedom that chance exceeds once in a thousand times
 _MOST_ENDS = 40  # that are asked two and two
+_UNKNOWNS = 2
 _ROUNDS = 5
 
 
@@ -146,9 +147,10 @@ def _proposed(per_rad: Floats, offset_px: Floats) -> Floats:
 
 
 def _is_said_by_most(agree: Bools) -> bool:
-    """Whether two ends at least and most of the pairs, of which each has two, agree."""
-    of_pairs = agree.reshape(-1, 2).any(axis=1)
-    return bool(agree.sum() >= 2 and of_pairs.mean() > 0.5)
+    """Whether most of the pairs, of which each has two ends, agree: more ends than a turn has unknowns, or both of one,
+    which are above each other."""
+    of_pairs = agree.reshape(-1, 2)
+    return bool((agree.sum() > _UNKNOWNS or of_pairs.all(axis=1).any()) and of_pairs.any(axis=1).mean() > 0.5)
 
 
 def _moved(blobs: Blobs, homography: Floats) -> Blobs:

@@ -74,10 +74,10 @@ def fitting_pairs(
     offset_px = _end_offsets_px(left, right)
     tolerance_px = method.epipolar_tolerance_px + method.shape_tolerance * _lesser_heights_px(left, right)
     cost = (offset_px / tolerance_px) ** 2
-    areas = np.log([blob.area_px2 for blob in left])[:, None] - np.log([blob.area_px2 for blob in right])
+    areas = _area_differences(left, right)
     disparity_px = _columns_px(left)[:, None] - _columns_px(right)
     least_px, most_px = method.disparities_px(rig)
-    may_be = (cost <= 1) & (np.abs(areas) < np.log(area_ratio)) & (disparity_px >= least_px) & (disparity_px <= most_px)
+    may_be = (cost <= 1) & (areas < np.log(area_ratio)) & (disparity_px >= least_px) & (disparity_px <= most_px)
     return assign(np.where(may_be, cost, np.inf), unmatched_cost=1.0)
 
 
@@ -97,6 +97,14 @@ def _lesser_heights_px(left: list[Blob], right: list[Blob]) -> Floats:
     """The lesser of the heights of two outlines (N, M) [px]."""
     one, other = (np.diff([blob.rows_px for blob in side])[:, 0] for side in (left, right))
     return np.asarray(np.minimum(one[:, None], other))
+
+
+def _area_differences(left: list[Blob], right: list[Blob]) -> Floats:
+    """How the areas (N, M) of two outlines differ, as logarithms; one with a notch may hold several of the others."""
+    areas = [np.log([blob.area_px2 for blob in side]) for side in (left, right)]
+    merged = [np.array([blob.fault == "merged" for blob in side]) for side in (left, right)]
+    excess = areas[0][:, None] - areas[1]
+    return np.asarray(np.where((excess > 0) & merged[0][:, None] | (excess < 0) & merged[1], 0.0, np.abs(excess)))
 
 
 def _columns_px(blobs: list[Blob]) -> Floats:
