@@ -105,6 +105,14 @@ def test_a_few_parts_that_are_off_alike_are_no_turn_of_the_camera() -> None:
     assert turn_of(replace(whole, right=(*turned.right[:1], *whole.right[1:])), RIG) is None
 
 
+@pytest.mark.parametrize("ends_px", [[(0.5, 3.0), (-3.0, 0.5)], [(0.5, 3.0), (0.5, -3.0)]])
+def test_two_ends_of_two_parts_tell_no_turn(ends_px: Sequence[tuple[float, float]]) -> None:
+    """Of two unknowns: one end each agrees on one whatever it is, as half-lit parts have it."""
+    whole = blobs_of((0, 0, 0), MIXED[:2])
+    right = [replace(each, contour_px=_stretched(each.contour_px, np.array(by))) for each, by in zip(whole.right, ends_px)]
+    assert turn_of(replace(whole, right=tuple(right)), RIG) is None
+
+
 @pytest.mark.parametrize("part", MIXED)
 def test_a_lone_part_tells_of_pitch(part: Standing) -> None:
     turn = turn_of(blobs_of((0.001, 0, 0), [part]), RIG)

@@ -139,3 +139,11 @@ def test_the_top_of_a_tall_part_fits_the_whole_of_it_in_the_other_view(shown_px:
     left = [upright(300, 100, 85), upright(420, 260, shown_px)]
     right = [upright(240, 100, 85), upright(360, 260, 85)]
     assert rig_fault(seen(left, right), PARALLEL) == expected
+
+
+@pytest.mark.parametrize(("fault", "expected"), [("merged", ""), ("", "misaligned")])
+def test_an_outline_of_several_fits_each_of_them_in_the_other_view(fault: str, expected: str) -> None:
+    """However much larger it is, if it begins or ends where one of them does."""
+    left = [upright(80, 100, 60), replace(upright(300, 200, 260), fault=fault)]
+    right = [upright(50, 100, 60), upright(270, 200, 40), upright(240, 262, 45), upright(280, 330, 50)]
+    assert rig_fault(seen(left, right), PARALLEL) == expected
