@@ -109,7 +109,8 @@ def test_a_few_parts_that_are_off_alike_are_no_turn_of_the_camera() -> None:
 def test_two_ends_of_two_parts_tell_no_turn(ends_px: Sequence[tuple[float, float]]) -> None:
     """Of two unknowns: one end each agrees on one whatever it is, as half-lit parts have it."""
     whole = blobs_of((0, 0, 0), MIXED[:2])
-    right = [replace(each, contour_px=_stretched(each.contour_px, np.array(by))) for each, by in zip(whole.right, ends_px)]
+    moved_px = [_stretched(each.contour_px, np.array(by)) for each, by in zip(whole.right, ends_px)]
+    right = [replace(each, contour_px=contour) for each, contour in zip(whole.right, moved_px)]
     assert turn_of(replace(whole, right=tuple(right)), RIG) is None
 
 
