@@ -32,7 +32,7 @@ _USUAL_RAD = 0.002  # a turn, before the ends are asked
 _LOOSE = np.eye(2) * (_END_PX / _USUAL_RAD) ** 2
 _SURELY = 13.8  # chi-square of two degrees of freedom that chance exceeds once in a thousand times
 _MOST_ENDS = 40  # that are asked two and two
-_UNKNOWNS = 2
+_UNKNOWNS = 2  # of a turn
 _ROUNDS = 5
 
 
@@ -147,8 +147,8 @@ def _proposed(per_rad: Floats, offset_px: Floats) -> Floats:
 
 
 def _is_said_by_most(agree: Bools) -> bool:
-    """Whether most of the pairs, of which each has two ends, agree: more ends than a turn has unknowns, or both of one,
-    which are above each other."""
+    """Whether most of the pairs, of which each has two ends, agree: by more ends than a turn has unknowns, or by both
+    ends of one, which are above each other and tell of pitch alone."""
     of_pairs = agree.reshape(-1, 2)
     return bool((agree.sum() > _UNKNOWNS or of_pairs.all(axis=1).any()) and of_pairs.any(axis=1).mean() > 0.5)
 

@@ -100,11 +100,13 @@ def _lesser_heights_px(left: list[Blob], right: list[Blob]) -> Floats:
 
 
 def _area_differences(left: list[Blob], right: list[Blob]) -> Floats:
-    """How the areas (N, M) of two outlines differ, as logarithms; one with a notch may hold several of the others."""
-    areas = [np.log([blob.area_px2 for blob in side]) for side in (left, right)]
-    merged = [np.array([blob.fault == "merged" for blob in side]) for side in (left, right)]
-    excess = areas[0][:, None] - areas[1]
-    return np.asarray(np.where((excess > 0) & merged[0][:, None] | (excess < 0) & merged[1], 0.0, np.abs(excess)))
+    """How the areas (N, M) of two outlines differ, as logarithms; one with a notch may hold several of the others, and
+    be as much larger as they are."""
+    one, other = (np.log([blob.area_px2 for blob in side]) for side in (left, right))
+    has_notch, other_has = (np.array([blob.fault == "merged" for blob in side]) for side in (left, right))
+    larger_by = one[:, None] - other
+    may_be_several = np.where(larger_by > 0, has_notch[:, None], other_has)
+    return np.where(may_be_several, 0.0, np.abs(larger_by))
 
 
 def _columns_px(blobs: list[Blob]) -> Floats:
