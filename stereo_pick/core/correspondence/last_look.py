@@ -7,26 +7,22 @@ for that, as of a ball lit from one side, where its edges alone put it on the ta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from stereo_pick.core.correspondence.carried import as_predicted, carried
 from stereo_pick.core.correspondence.clear_of import clear_of
+from stereo_pick.core.correspondence.evident import Evident
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.located import convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import clash, goes_on_as, is_where, reach_into_each_other
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
-from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
+from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
-from stereo_pick.core.shapes.common_table import stands_on, surely_on
+from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.consensus import solids_around
-from stereo_pick.core.shapes.creases import creases
-from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported, carries
-from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
+from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.standing import agree, nearly, no_surer_than_rivals, standing_candidates
@@ -38,8 +34,6 @@ _REASONS_ALONE = ("left_only", "right_only", "merged")  # ... of which one view 
 _MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 8  # solids for each object
-_HALF = 1 / 2  # of its silhouette, for what its edges alone put on the table ...
-_KNOWN = 0.05  # ... as sure as this part of its size
 
 Seen = tuple[Row, Adjusted]
 
@@ -62,17 +56,20 @@ class LastLook:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there
         is none, or where it is open which it is. shown: of its silhouette, as what it was taken for."""
         free = self._free_ones(self._hinted(blobs) + self._around(blobs), others)
+        evident = Evident(self.images, self.table, self.before)
         clear = [
-            one for one in free if self._is_clear(*one, _most_shown([each for each in free if each is not one], shown))
+            one
+            for one in free
+            if evident.is_clear(blobs, *one, _most_shown([each for each in free if each is not one], shown))
         ]
         if not clear:
             return None
-        (first, there), *rest = clear
+        (first, there), *rest = [one for one in clear if one[1].shows_creases] or clear
         rivals = [each for each, _ in rest]
         longer = self.images.longer(first.fit.solid, self.table)
         if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
             beyond = self._free(longer, others) if longer.is_exact else None
-            if beyond is None or not self._is_clear(longer, beyond, _most_shown(free, shown)):
+            if beyond is None or not evident.is_clear(blobs, longer, beyond, _most_shown(free, shown)):
                 rivals.append(longer)
             else:
                 first, there = longer, beyond
@@ -99,7 +96,7 @@ class LastLook:
     def _free_ones(self, candidates: Sequence[Solids], others: Sequence[SolidFit]) -> list[tuple[Supported, Adjusted]]:
         """The best of these, each another one, that lie on edges where there is room, and where all edges put them."""
         found: list[tuple[Supported, Adjusted]] = []
-        for each in nearly(self.images, candidates, self.table):
+        for each in self._with_longer(nearly(self.images, candidates, self.table)):
             if len(found) == _LOOKED_AT:
                 break
             if any(each.fit.kind == other.fit.kind and agree(each.fit, other.fit) for other, _ in found):
@@ -109,34 +106,13 @@ class LastLook:
                 found.append((each, there))
         return found
 
-    def _is_clear(self, found: Supported, there: Adjusted, most_shown: float) -> bool:
-        """Whether an object is hardly anything else: it shows most of its silhouette, about as much as any other would,
-        and its creases if it has any; or half of that, if it is on the table by what shows alone. A ball, which is no
-        piece of another, need not be so exactly on its edges. The ends of a cylinder may be as bright as its side, if
-        all of it shows, or clearly more than of any other. most_shown: of any other."""
-        is_ball = there.fit.kind == SPHERE.name
-        least = most_shown - CHANCE if there.has_creases or is_ball else most_shown  # its silhouette is all that speaks
-        if there.is_astray or there.shown < least:
-            return False
-        if not there.is_creased:
-            by_all_of_it = min(WELL_SHOWN, max(MOST_SHOWN, most_shown + CHANCE))
-            return found.is_exact and there.fit.kind == CYLINDER.name and there.shown > by_all_of_it
-        seen = there.shown, there.fit.residual_px
-        noise_px = self.images.noise_px
-        is_exact = found.is_exact or carries(*seen, noise_px=noise_px)
-        if is_exact and (there.has_creases or there.shown >= MOST_SHOWN):
-            return True
-        is_half = there.shown > _HALF if is_ball else carries(*seen, _HALF, noise_px)
-        return is_half and self._stands_by_itself(there.fit)
-
-    def _stands_by_itself(self, fit: SolidFit) -> bool:
-        """Whether a solid's edges put it on the table that know nothing of that; those of a cylinder between its ends
-        do not tell how long it is."""
-        if fit.kind == CYLINDER.name and not creases(fit.solid, self.images.eyes_m).seen.any():
-            return False
-        alone = adjusted([fit], self.images.maps, self.images.rig, None, before=self.before)[0][0].fit
-        sigma_m = float(np.sqrt(self.table.normal @ alone.covariance @ self.table.normal))
-        return sigma_m < _KNOWN * float(alone.size_m[0]) and surely_on(self.table, alone)
+    def _with_longer(self, several: Sequence[Supported]) -> Iterator[Supported]:
+        """Each of these, and what it is a piece of."""
+        for each in several:
+            yield each
+            longer = self.images.longer(each.fit.solid, self.table)
+            if longer is not None:
+                yield longer
 
     def _free(self, found: Supported, others: Sequence[SolidFit]) -> Adjusted | None:
         """Where all its edges put a solid, if it is no sheet and no other is there."""

@@ -14,12 +14,14 @@ MOST_SHOWN = 3 / 4  # of its silhouette, for what shows no creases
 @dataclass(frozen=True, eq=False)
 class Adjusted:
     """fit: the solid; shown, creased: the part of its silhouette that lies on edges, the least of both views, and of
-    its creases (1 where there are none), as of `share_seen`; has_creases: whether there are any, clear of it."""
+    its creases (1 where there are none), as of `share_seen`; has_creases: whether there are any, clear of it; denied:
+    the part of the silhouette, the most of both views, that has edges clearly beside it."""
 
     fit: SolidFit
     shown: float
     creased: float
     has_creases: bool
+    denied: float
 
     @property
     def is_astray(self) -> bool:
@@ -30,6 +32,11 @@ class Adjusted:
     def is_creased(self) -> bool:
         """Whether most of its creases show, so that it is hardly anything else."""
         return self.creased >= _MOST_CREASES
+
+    @property
+    def shows_creases(self) -> bool:
+        """Whether it has some, and most of them show."""
+        return self.has_creases and self.is_creased
 
     @property
     def is_clear(self) -> bool:

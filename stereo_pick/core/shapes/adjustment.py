@@ -219,6 +219,7 @@ def _results(
             float(seen.shown[i]),
             float(seen.creased[i]),
             bool(seen.has_creases[i]),
+            float(seen.denied[i]),
         )
         for i, scale in enumerate(seen.scale_px)
     ]

@@ -37,7 +37,8 @@ class EdgeEvidence(NamedTuple):
     """normal: (S, P + 2, P + 2) and right: (S, P + 2), the normal equations of a step, by their noise, of the solids
     and, last, of the right camera about its x and z axis [rad]; scale_px: (S,), robust standard
     deviation of the distances; shown, creased: (S,), the part of the silhouettes (the least of both views)
-    and of the creases (1 where there are none) that lies on edges; has_creases: (S,), whether there are any."""
+    and of the creases (1 where there are none) that lies on edges; has_creases: (S,), whether there are any; denied:
+    (S,), the part of the silhouettes (the most of both views) of which the edges lie beside it."""
 
     normal: Floats
     right: Floats
@@ -45,18 +46,20 @@ class EdgeEvidence(NamedTuple):
     shown: Floats
     creased: Floats
     has_creases: Bools
+    denied: Floats
 
 
 class Seen(NamedTuple):
     """What is seen beside solids (S) and across them; slid: the creases' edges once each crease has slid; scale_px:
-    (S,), robust standard deviation of all their distances; shown: (S,), the part of the silhouettes (the least of both
-    views) that lies on edges; arcs: how far these lie off them."""
+    (S,), robust standard deviation of all their distances; shown, denied: (S,), the part of the silhouettes (the least
+    and the most of both views) that lies on edges, and clearly beside such; arcs: how far these lie off them."""
 
     outer: EdgeRows
     inner: CreaseRows
     slid: EdgeRows
     scale_px: Floats
     shown: Floats
+    denied: Floats
     arcs: Arcs
 
     def evidence(self, sigma_px: Floats) -> EdgeEvidence:
@@ -64,7 +67,8 @@ class Seen(NamedTuple):
         normal, right = self.outer.equations(self.outer.weights(self.scale_px, sigma_px))
         more, more_right = self.inner.equations(self.slid.weights(self.scale_px, sigma_px))
         there = np.asarray(self.inner.there.any(axis=1))
-        return EdgeEvidence(normal + more, right + more_right, self.scale_px, self.shown, self.inner.shown(), there)
+        creased = self.inner.shown()
+        return EdgeEvidence(normal + more, right + more_right, self.scale_px, self.shown, creased, there, self.denied)
 
 
 def edges_seen(
@@ -88,10 +92,11 @@ def edges_seen(
     scale = _scale_px(outer, slid)
     in_views = (len(scale), 2, -1)
     shown = share_seen(outer.on_edge().reshape(in_views), hidden).min(axis=1)
+    denied = share_seen(outer.beside_edge().reshape(in_views), hidden).max(axis=1)
     near = (outer.weight * outer.nearness(scale)).reshape(in_views)
     length_px = outer.length_px.reshape(in_views).sum(axis=2)
     arcs = arcs_of(outer.residual_px.reshape(in_views), near, length_px, outer.jacobian.shape[2] - 2)
-    return Seen(outer, inner, slid, scale, shown, arcs)
+    return Seen(outer, inner, slid, scale, shown, denied, arcs)
 
 
 def _scale_px(outer: EdgeRows, inner: EdgeRows) -> Floats:

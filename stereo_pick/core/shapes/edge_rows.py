@@ -49,6 +49,10 @@ class EdgeRows(NamedTuple):
         """Where (S, M) there is an edge."""
         return np.asarray((self.weight > 0) & (np.abs(self.residual_px) < ON_EDGE_PX))
 
+    def beside_edge(self) -> Bools:
+        """Where (S, M) there is one, but clearly beside."""
+        return np.asarray((self.weight > 0) & (np.abs(self.residual_px) >= ON_EDGE_PX))
+
 
 class CreaseRows(NamedTuple):
     """rows; slides: (S, M), by how many pixels each point moves as its crease slides towards the one face [px/m];

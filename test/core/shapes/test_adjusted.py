@@ -11,7 +11,7 @@ from stereo_pick.core.shapes.adjusted import Adjusted
 
 def adjusted(kind: str, shown: float, creased: float, has_creases: bool) -> Adjusted:
     fit = SolidFit(kind, np.array([0.0, 0.0, 1.0]), np.eye(3), np.full(3, 0.04), 0.1, 1e-8 * np.eye(3))
-    return Adjusted(fit, shown, creased, has_creases)
+    return Adjusted(fit, shown, creased, has_creases, denied=0.0)
 
 
 @pytest.mark.parametrize(

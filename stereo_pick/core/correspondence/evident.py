@@ -1,0 +1,83 @@
+"""Whether a solid that is found late, where the table and most objects are known, is hardly anything else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond
+from stereo_pick.core.correspondence.position import BlobPair
+from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
+from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
+from stereo_pick.core.shapes.adjustment import adjusted
+from stereo_pick.core.shapes.common_table import surely_on
+from stereo_pick.core.shapes.creases import creases
+from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported, carries
+from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
+from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.table import Table
+
+_HALF = 1 / 2  # of its silhouette, for what its edges alone put on the table ...
+_KNOWN = 0.05  # ... as sure as this part of its size
+_DENIED = 1 / 20  # of a silhouette, with edges clearly beside it
+
+
+@dataclass(frozen=True, eq=False)
+class Evident:
+    """images: the views, behind what is known; table: what the objects stand on; before: solids that may hide
+    others."""
+
+    images: Images
+    table: Table
+    before: Sequence[SolidFit]
+
+    def is_clear(self, blobs: BlobPair, found: Supported, there: Adjusted, most_shown: float) -> bool:
+        """Whether an object of these outlines is a solid, where all its edges put that; most_shown: of its silhouette,
+        of any other solid that it may be."""
+        if there.is_astray:
+            return False
+        return self._shows_itself(found, there, most_shown) or self._is_told(blobs, there, most_shown)
+
+    def _shows_itself(self, found: Supported, there: Adjusted, most_shown: float) -> bool:
+        """Whether it shows most of its silhouette, about as much as any other would, and its creases if it has any; or
+        half of that, if it is on the table by what shows alone. A ball, which is no piece of another, need not be so
+        exactly on its edges."""
+        is_ball = there.fit.kind == SPHERE.name
+        least = most_shown - CHANCE if there.has_creases or is_ball else most_shown  # its silhouette is all that speaks
+        if there.shown < least:
+            return False
+        if not there.is_creased:
+            return found.is_exact and _is_all_of_a_cylinder(there, most_shown)
+        seen = there.shown, there.fit.residual_px
+        noise_px = self.images.noise_px
+        is_exact = found.is_exact or carries(*seen, noise_px=noise_px)
+        if is_exact and (there.has_creases or there.shown >= MOST_SHOWN):
+            return True
+        is_half = there.shown > _HALF if is_ball else carries(*seen, _HALF, noise_px)
+        return is_half and self._stands_by_itself(there.fit)
+
+    def _is_told(self, blobs: BlobPair, there: Adjusted, most_shown: float) -> bool:
+        """Whether it is told from all others, none of which shows more of its silhouette: its creases show and there is
+        nothing more to the outlines, or hardly an edge lies beside what does not show."""
+        if there.shown < most_shown or there.shown <= _HALF:
+            return False
+        if there.shows_creases and not goes_on_beyond(blobs, there.fit, self.images):
+            return True
+        return there.denied <= _DENIED and (there.shown > MOST_SHOWN or self._stands_by_itself(there.fit))
+
+    def _stands_by_itself(self, fit: SolidFit) -> bool:
+        """Whether a solid's edges put it on the table that know nothing of that; those of a cylinder between its ends
+        do not tell how long it is."""
+        if fit.kind == CYLINDER.name and not creases(fit.solid, self.images.eyes_m).seen.any():
+            return False
+        alone = adjusted([fit], self.images.maps, self.images.rig, None, before=self.before)[0][0].fit
+        sigma_m = float(np.sqrt(self.table.normal @ alone.covariance @ self.table.normal))
+        return sigma_m < _KNOWN * float(alone.size_m[0]) and surely_on(self.table, alone)
+
+
+def _is_all_of_a_cylinder(there: Adjusted, most_shown: float) -> bool:
+    """Whether a cylinder, whose ends may be as bright as its side, shows all of its silhouette, or clearly more than
+    any other."""
+    return there.fit.kind == CYLINDER.name and there.shown > min(WELL_SHOWN, max(MOST_SHOWN, most_shown + CHANCE))
