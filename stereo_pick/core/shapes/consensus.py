@@ -11,7 +11,6 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import reduce
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats, Ints
@@ -24,13 +23,13 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.starts import orientations
 from stereo_pick.core.shapes.table import Table
 
-_GUESSES = 1200  # of each orientation
-_FINER = 3  # orientations than for a search that turns them
-_BETTERED, _ROUNDS = 60, 3  # the best guesses, by all the edges that they agree with ...
-_TURNS_RAD = np.deg2rad((-2, -1, 0, 1, 2))  # ... each turned about the table's normal: orientations are coarse
+_GUESSES = 400  # of each orientation
+_FINER = (
+    9  # orientations than for a search that turns them: half a step moves the ends of long parts by a pixel at most
+)
+_BETTERED, _ROUNDS = 120, 2  # the best guesses, by all the edges that they agree with
 _KEPT = 9  # solids of each kind
-_ON_EDGE_PX = 1.2  # as far as the orientation may be off, and the edge's normal ...
-_ROUGHLY = 1.5  # ... times that, the ends of long parts before these are turned
+_ON_EDGE_PX = 1.2  # as far as the orientation may be off, and the edge's normal
 _LEAST_SEEN = 1 / 4  # of the rays, in both views, that cross an edge of it exactly
 _LEAST_EDGES = 20  # of both views together
 _LEAST_SIZE, _MOST_AWAY = 0.08, 1.5  # by the reach of the rays
@@ -124,14 +123,9 @@ def _of_kind(kind: Kind, edges: _Edges, around: _Around, table: Table, draw: np.
     which, unknowns = _guesses(problem, around.reach_m, draw)
     if not len(which):
         return
-    best = np.argsort(-_seen(_on_edge(problem, which, unknowns)), kind="stable")[:_BETTERED]
-    rotations, turns, unknowns = rotations[which[best]], turns[which[best]], unknowns[best]
-    if kind.turns:
-        rotations = _turned(rotations, table)
-        turns, unknowns = (np.repeat(each, len(_TURNS_RAD), axis=0) for each in (turns, unknowns))
-    which, problem = np.arange(len(rotations)), _problem(kind, rotations, edges, around)
-    roughly = problem._replace(within_m=_ROUGHLY * problem.within_m)
-    on_edge = _on_edge(roughly if kind.turns else problem, which, unknowns)
+    on_edge = _on_edge(problem, which, unknowns)
+    best = np.argsort(-_seen(on_edge), kind="stable")[:_BETTERED]
+    which, unknowns, on_edge = which[best], unknowns[best], on_edge[best]
     for _ in range(_ROUNDS):
         unknowns = _bettered(problem, which, unknowns, on_edge)
         on_edge = _on_edge(problem, which, unknowns)
@@ -140,13 +134,8 @@ def _of_kind(kind: Kind, edges: _Edges, around: _Around, table: Table, draw: np.
     centre_m = around.origin_m + in_frame @ around.axes.T
     seen = np.where(_possible(unknowns, around.reach_m), seen, 0.0)
     for i in _different(np.concatenate([centre_m, half_m], axis=1), seen, _ANOTHER * around.reach_m):
-        yield Solids(kind, centre_m[i, None], rotations[i, None], half_m[i, None], turns[i, None])
-
-
-def _turned(rotations: Floats, table: Table) -> Floats:
-    """Each of these (S, 3, 3) turned a little either way about the table's normal, one after the other."""
-    turns = np.stack([cv2.Rodrigues(table.normal * angle)[0] for angle in _TURNS_RAD])
-    return np.asarray((turns @ rotations[:, None]).reshape(-1, 3, 3))
+        at = which[i]
+        yield Solids(kind, centre_m[i, None], rotations[at, None], half_m[i, None], turns[at, None])
 
 
 def _problem(kind: Kind, rotations: Floats, edges: _Edges, around: _Around) -> _Problem:

@@ -11,7 +11,7 @@ from family_scenes import found
 from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified, solid_of
 from rendering import Scene, Solid
 
-from stereo_pick.core.correspondence import last_look
+from stereo_pick.core.correspondence import evident, last_look
 from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.overlap import reach_into_each_other
@@ -114,6 +114,25 @@ def test_where_it_is_open_which_of_two_it_is_neither_is_taken(monkeypatch: pytes
     assert at(images, blobs, [], []) is not None
 
 
+def test_what_shows_its_creases_is_taken_before_what_shows_more_of_its_silhouette(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A box of which another part's edge is taken for an end: 5 mm off."""
+    images, blobs, _ = lone(PARTS["box"])
+    scene = Scene((PARTS["box"],), PLACED)
+    true = solid_of(RIG, scene, PARTS["box"])
+    fit = SolidFit("box", true.centre_m[0], true.rotation[0], true.size_m()[0], 0.05, 1e-9 * np.eye(3))
+    longer = replace(fit, centre_m=fit.centre_m + true.rotation[0, :, 0] * 0.005, size_m=fit.size_m + [0.01, 0, 0])
+    several = [Supported(each, 0.9, 0.05, believable=True) for each in (longer, fit)]
+    shows = {longer: (0.82, 0.6), fit: (0.75, 0.9)}
+    monkeypatch.setattr(last_look, "nearly", lambda *_: several)
+    monkeypatch.setattr(
+        last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], *shows[fits[0]], True, 0.0)], TABLE)
+    )
+    found = at(images, blobs, [], [])
+    assert found is not None and found[1].fit is fit
+
+
 @pytest.mark.parametrize(
     ("shown", "off_m", "sigma_m", "is_found"),
     [
@@ -133,14 +152,9 @@ def test_half_of_a_ball_is_enough_only_where_it_lies_on_the_table_by_itself(
     on_it = SolidFit("sphere", centre_m(RIG, scene, part), np.eye(3), np.array(part.size_m), 0.05, 1e-8 * np.eye(3))
     alone = replace(on_it, centre_m=on_it.centre_m + off_m * NORMAL, covariance=sigma_m**2 * np.eye(3))
     monkeypatch.setattr(last_look, "nearly", lambda *_: [Supported(on_it, shown, 0.05, believable=True)])
-    monkeypatch.setattr(
-        last_look,
-        "adjusted",
-        lambda _fits, _maps, _rig, table, *_, **__: (
-            [Adjusted(on_it if table else alone, shown, 1.0, False, 0.2)],
-            table,
-        ),
-    )
+    on_a_table, without = (([Adjusted(fit, shown, 1.0, False, 0.2)], TABLE) for fit in (on_it, alone))
+    monkeypatch.setattr(last_look, "adjusted", lambda *_, **__: on_a_table)
+    monkeypatch.setattr(evident, "adjusted", lambda *_, **__: without)
     assert (at(images, blobs, [], []) is not None) == is_found
 
 

@@ -29,3 +29,10 @@ def test_a_solid_shows_its_creases_or_all_around(
     kind: str, shown: float, creased: float, has_creases: bool, is_seen: bool
 ) -> None:
     assert adjusted(kind, shown, creased, has_creases).is_seen is is_seen
+
+
+@pytest.mark.parametrize(
+    ("creased", "has_creases", "shows"), [(0.7, True, True), (0.6, True, False), (1.0, False, False)]
+)
+def test_only_what_has_creases_shows_them(creased: float, has_creases: bool, shows: bool) -> None:
+    assert adjusted("box", 0.9, creased, has_creases).shows_creases is shows

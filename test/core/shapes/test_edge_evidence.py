@@ -49,6 +49,15 @@ def test_one_that_is_not_there_is_not(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PARTS)
+def test_edges_beside_a_silhouette_deny_it(name: str) -> None:
+    """One 0.8 px larger all around lies beside the part's edges."""
+    solid = solid_of(RIG, SCENE, PARTS[name])
+    larger = replace(solid, half_m=solid.half_m + 0.8 * solid.centre_m[0, 2] / RIG.focal_px)
+    assert evidence(solid).denied[0] < 0.05
+    assert evidence(larger).denied[0] > 0.5
+
+
+@pytest.mark.parametrize("name", PARTS)
 @pytest.mark.parametrize("axis", range(3))
 def test_the_step_leads_back(name: str, axis: int) -> None:
     """From 0.3 mm off to either side, most of the way between the two comes back at once, also in depth."""

@@ -1,0 +1,78 @@
+"""When a solid that is found late is hardly anything else."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from rendered_solids import PARTS, PLACED, RIG, rectified, solid_of
+from rendering import Scene
+
+from stereo_pick.core.correspondence import evident
+from stereo_pick.core.correspondence.evident import Evident
+from stereo_pick.core.pipeline import Steps
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.table import Table
+
+NORMAL = RIG.left.R @ PLACED.rotation[:, 2]
+TABLE = Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation), 5e-4)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A box; off_px: from its edges; there: those of it that show, and the most of another."""
+
+    shown: float = 0.7
+    creased: float = 0.8
+    denied: float = 0.2
+    most_shown: float = 0.65
+    off_px: float = 0.25
+    goes_on: bool = False
+    stands: bool = False
+
+
+@pytest.mark.parametrize(
+    ("case", "is_clear"),
+    [
+        (Case(), True),
+        (Case(off_px=0.35), False),
+        (Case(most_shown=0.75), False),
+        (Case(goes_on=True), False),
+        (Case(shown=0.45, most_shown=0.2), False),
+        (Case(creased=0.5), False),
+        (Case(creased=0.5, denied=0.03), False),
+        (Case(creased=0.5, denied=0.03, shown=0.8), True),
+        (Case(creased=0.5, denied=0.2, shown=0.8), False),
+        (Case(creased=0.5, denied=0.03, stands=True), True),
+    ],
+    ids=[
+        "its creases show",
+        "but it lies off its edges",
+        "but another shows more",
+        "but there is more to its outlines",
+        "but less than half of it shows",
+        "creases do not",
+        "nor does anything deny it",
+        "and most of it shows",
+        "which something denies",
+        "and it stands by itself",
+    ],
+)
+def test_what_is_not_exactly_on_its_edges_is_told_from_all_else(
+    case: Case, is_clear: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = Scene((PARTS["box"],), PLACED, ambient=0.5)
+    pair = rectified(RIG, scene)
+    blobs, _ = Steps().correspond(pair)
+    true = solid_of(RIG, scene, PARTS["box"])
+    fit = SolidFit("box", true.centre_m[0], true.rotation[0], true.size_m()[0], case.off_px, 1e-8 * np.eye(3))
+    there = Adjusted(fit, case.shown, case.creased, True, case.denied)
+    alone = fit if case.stands else replace(fit, centre_m=fit.centre_m + 0.01 * NORMAL)
+    monkeypatch.setattr(evident, "adjusted", lambda *_, **__: ([replace(there, fit=alone)], None))
+    monkeypatch.setattr(evident, "goes_on_beyond", lambda *_: case.goes_on)
+    found = Supported(fit, 0.6, case.off_px, believable=False)
+    look = Evident(Images(pair), TABLE, [])
+    assert look.is_clear((blobs.left[0], blobs.right[0]), found, there, case.most_shown) is is_clear
