@@ -75,4 +75,4 @@ def test_what_is_not_exactly_on_its_edges_is_told_from_all_else(
     monkeypatch.setattr(evident, "goes_on_beyond", lambda *_: case.goes_on)
     found = Supported(fit, 0.6, case.off_px, believable=False)
     look = Evident(Images(pair), TABLE, [])
-    assert look.is_clear((blobs.left[0], blobs.right[0]), found, there, case.most_shown) is is_clear
+    assert look.is_clear((blobs.left[0], blobs.right[0]), found, there, case.most_shown) == is_clear
