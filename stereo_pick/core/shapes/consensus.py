@@ -23,11 +23,9 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.starts import orientations
 from stereo_pick.core.shapes.table import Table
 
-_GUESSES = 400  # of each orientation
-_FINER = (
-    9  # orientations than for a search that turns them: half a step moves the ends of long parts by a pixel at most
-)
-_BETTERED, _ROUNDS = 120, 2  # the best guesses, by all the edges that they agree with
+_GUESSES = 1200  # of each orientation
+_FINER = 3  # orientations than for a search that turns them
+_BETTERED, _ROUNDS = 60, 2  # the best guesses, by all the edges that they agree with
 _KEPT = 9  # solids of each kind
 _ON_EDGE_PX = 1.2  # as far as the orientation may be off, and the edge's normal
 _LEAST_SEEN = 1 / 4  # of the rays, in both views, that cross an edge of it exactly
