@@ -60,12 +60,15 @@ class Evident:
 
     def _is_told(self, blobs: BlobPair, there: Adjusted, most_shown: float) -> bool:
         """Whether it is told from all others, none of which shows more of its silhouette: its creases show and there is
-        nothing more to the outlines, or hardly an edge lies beside what does not show."""
+        nothing more to the outlines, or hardly an edge lies beside what does not show, most of which does, or, of a
+        cylinder, whose ends may be as bright as its side, enough to put it on the table."""
         if there.shown < most_shown or there.shown <= _HALF:
             return False
         if there.shows_creases and not goes_on_beyond(blobs, there.fit, self.images):
             return True
-        return there.denied <= _DENIED and (there.shown > MOST_SHOWN or self._stands_by_itself(there.fit))
+        if there.denied > _DENIED:
+            return False
+        return there.shown > MOST_SHOWN or (there.fit.kind == CYLINDER.name and self._stands_by_itself(there.fit))
 
     def _stands_by_itself(self, fit: SolidFit) -> bool:
         """Whether a solid's edges put it on the table that know nothing of that; those of a cylinder between its ends

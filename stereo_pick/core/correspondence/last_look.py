@@ -7,7 +7,7 @@ for that, as of a ball lit from one side, where its edges alone put it on the ta
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from stereo_pick.core.correspondence.carried import as_predicted, carried
@@ -96,7 +96,7 @@ class LastLook:
     def _free_ones(self, candidates: Sequence[Solids], others: Sequence[SolidFit]) -> list[tuple[Supported, Adjusted]]:
         """The best of these, each another one, that lie on edges where there is room, and where all edges put them."""
         found: list[tuple[Supported, Adjusted]] = []
-        for each in self._with_longer(nearly(self.images, candidates, self.table)):
+        for each in nearly(self.images, candidates, self.table):
             if len(found) == _LOOKED_AT:
                 break
             if any(each.fit.kind == other.fit.kind and agree(each.fit, other.fit) for other, _ in found):
@@ -105,14 +105,6 @@ class LastLook:
             if there is not None:
                 found.append((each, there))
         return found
-
-    def _with_longer(self, several: Sequence[Supported]) -> Iterator[Supported]:
-        """Each of these, and what it is a piece of."""
-        for each in several:
-            yield each
-            longer = self.images.longer(each.fit.solid, self.table)
-            if longer is not None:
-                yield longer
 
     def _free(self, found: Supported, others: Sequence[SolidFit]) -> Adjusted | None:
         """Where all its edges put a solid, if it is no sheet and no other is there."""

@@ -62,7 +62,7 @@ def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts:
     seen = [(row, each) for row, each in zip(sound, found) if each.is_seen]
     open_ = [Unread("other_shape", *blobs) for blobs, _ in unlike] + list(reading.unread)
     warped = WarpedViews(images.pair, common) if common else None
-    seen, refused, rest = _looked_for_again(images, open_, reading.for_good, seen, rest, astray, warped)
+    seen, refused, rest = _looked_for_again(images, open_, seen, rest, astray, warped)
     exact = _exactly(images, seen, table if known else common, known)
     placed = placed_surely(images, seen, exact, table, warped)
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
@@ -99,7 +99,6 @@ def _exactly(images: Images, seen: Sequence[Seen], table: Table | None, known: b
 def _looked_for_again(
     images: Images,
     open_: Sequence[Unread],
-    for_good: Sequence[Unread],
     seen: Sequence[Seen],
     rest: Sequence[Row],
     astray: Sequence[Row],
@@ -114,9 +113,7 @@ def _looked_for_again(
     look = LastLook(behind, warped.table, before, [where for _, where in [*rest, *astray]])
     found, rest = _read_again(look, seen, rest)
     look = replace(look, besides=[where for _, where in [*rest, *astray]])
-    found, refused = _found_after_all(images, look, open_, found)
-    several = [each for each in refused if each.reason == "merged"]
-    return _found_rising(look, warped, [*several, *for_good], found), refused, rest
+    return *_found_after_all(images, look, open_, found, warped), rest
 
 
 def _read_again(look: LastLook, seen: Sequence[Seen], rest: Sequence[Row]) -> tuple[list[Seen], list[Row]]:
@@ -139,7 +136,7 @@ def _read_again(look: LastLook, seen: Sequence[Seen], rest: Sequence[Row]) -> tu
 
 
 def _found_after_all(
-    images: Images, look: LastLook, open_: Sequence[Unread], seen: Sequence[Seen]
+    images: Images, look: LastLook, open_: Sequence[Unread], seen: Sequence[Seen], warped: WarpedViews
 ) -> tuple[list[Seen], list[Unread]]:
     """What is seen, with those of the refused that are found where none of the others is; and what stays refused."""
     found, refused = list(seen), list(open_)
@@ -152,18 +149,11 @@ def _found_after_all(
         if not goes_on_beyond(blobs, there.fit, images):  # else the rest of it is refused still
             refused.remove(unread)
         refused = [each for each in refused if not is_seen_alone(each, there.fit, images)]
-    return found, refused
-
-
-def _found_rising(look: LastLook, warped: WarpedViews, refused: Sequence[Unread], seen: Sequence[Seen]) -> list[Seen]:
-    """What is seen, with what is found in outlines of which something rises from the table: those that are several,
-    and dark ones that are taken for shadows."""
-    found = list(seen)
     for piece in _risen(warped, refused, found):
         another = look.at_refused(piece, [each.fit for _, each in found])
         if another is not None:
             found.append(another)
-    return found
+    return found, refused
 
 
 def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:
@@ -177,9 +167,9 @@ def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:
 
 
 def _risen(warped: WarpedViews, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Unread]:
-    """What rises from the table in these outlines, parts of which may lie there."""
+    """What rises from the table in outlines that are several, some of which may lie there."""
     fits = [each.fit for _, each in found]
-    outlines = [each.left for each in refused if each.left and each.right]
+    outlines = [each.left for each in refused if each.reason == "merged" and each.left and each.right]
     hulls = [(left, hull) for left in outlines for hull in warped.rising(left, fits)]
     return [
         Unread("merged", replace(left, contour_px=hull, sharpness=np.full(len(hull), CUT)), None)
