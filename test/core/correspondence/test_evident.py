@@ -23,8 +23,10 @@ TABLE = Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation), 5e-4)
 
 @dataclass(frozen=True)
 class Case:
-    """A box; off_px: from its edges; there: those of it that show, and the most of another."""
+    """part: which; shown, creased, denied, most_shown: as of `Evident`; off_px: how far it lies off its edges; goes_on:
+    whether there is more to its outlines; stands: whether its edges alone put it on the table."""
 
+    part: str = "box"
     shown: float = 0.7
     creased: float = 0.8
     denied: float = 0.2
@@ -46,7 +48,9 @@ class Case:
         (Case(creased=0.5, denied=0.03), False),
         (Case(creased=0.5, denied=0.03, shown=0.8), True),
         (Case(creased=0.5, denied=0.2, shown=0.8), False),
-        (Case(creased=0.5, denied=0.03, stands=True), True),
+        (Case(creased=0.5, denied=0.03, stands=True), False),
+        (Case("lying", creased=0.5, denied=0.03, stands=True), True),
+        (Case("lying", creased=0.5, denied=0.03, stands=False), False),
     ],
     ids=[
         "its creases show",
@@ -58,17 +62,19 @@ class Case:
         "nor does anything deny it",
         "and most of it shows",
         "which something denies",
-        "and it stands by itself",
+        "and it stands by itself, but as a box with its creases",
+        "and as a cylinder, with ends as bright as its side",
+        "which does not stand",
     ],
 )
 def test_what_is_not_exactly_on_its_edges_is_told_from_all_else(
     case: Case, is_clear: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scene = Scene((PARTS["box"],), PLACED, ambient=0.5)
+    scene = Scene((PARTS[case.part],), PLACED, ambient=0.5)
     pair = rectified(RIG, scene)
     blobs, _ = Steps().correspond(pair)
-    true = solid_of(RIG, scene, PARTS["box"])
-    fit = SolidFit("box", true.centre_m[0], true.rotation[0], true.size_m()[0], case.off_px, 1e-8 * np.eye(3))
+    true = solid_of(RIG, scene, PARTS[case.part])
+    fit = SolidFit(true.kind.name, true.centre_m[0], true.rotation[0], true.size_m()[0], case.off_px, 1e-8 * np.eye(3))
     there = Adjusted(fit, case.shown, case.creased, True, case.denied)
     alone = fit if case.stands else replace(fit, centre_m=fit.centre_m + 0.01 * NORMAL)
     monkeypatch.setattr(evident, "adjusted", lambda *_, **__: ([replace(there, fit=alone)], None))
