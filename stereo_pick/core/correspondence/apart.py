@@ -21,7 +21,8 @@ from stereo_pick.core.objects.splitting import split
 
 _ROUNDS = 3  # a part may still be several
 _TRIED = 4  # ways to cut the same objects ...
-_TRIED_OF_EACH = 8  # ... and any one of them
+_TRIED_OF_EACH = 8  # ... and any one of them ...
+_TRIED_IN_ALL = 64  # ... and all: a table of planks and prints falls to dozens of pieces, and would take a minute
 
 
 @dataclass(frozen=True)
@@ -137,6 +138,8 @@ def _tried(sides: Sequence[Sequence[Blob]], matching: Matching, *, alike: bool) 
     tries_of_each: Counter[Blob] = Counter()
     tried = []
     for way in ways_to_cut(sides[0], sides[1], matching.similarity, alike):
+        if len(tried) == _TRIED_IN_ALL:
+            break
         objects = way.whole if alike else way.cut  # any may be the other part: they would be tried with each
         if tries[objects] < _TRIED and all(tries_of_each[blob] < _TRIED_OF_EACH for blob in objects):
             tries[objects] += 1

@@ -16,6 +16,7 @@ from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import Row, may_have_dark_ends, with_dark_ends
 from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.correspondence.second_thoughts import CREASED, is_flat_after_all, reconsidered
+from stereo_pick.core.correspondence.standing_out import stands_out
 from stereo_pick.core.objects.blob import CUT
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
@@ -65,12 +66,14 @@ def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts:
     seen, refused, rest = _looked_for_again(images, open_, seen, rest, astray, warped)
     exact = _exactly(images, seen, table if known else common, known)
     placed = placed_surely(images, seen, exact, table, warped)
+    more = _standing_out(images, [(row, each) for row, (_, each) in zip(placed, seen)], rest)
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
     if warped is not None and not flat_parts:
         flat += _printed(warped, [(row, each) for row, (_, each) in zip(placed, seen) if row not in flat])
     refused += [Unread("flat", *blobs) for blobs, _ in flat]
+    refused += [Unread("other_shape", *row[0]) for row in more if row not in flat]
     rest = [seen_in_part(row, images.rig, common) for row in rest]
-    return Together(rest + astray + [row for row in placed if row not in flat], refused, warped)
+    return Together(rest + astray + [row for row in placed if row not in flat + more], refused, warped)
 
 
 def _with_dark_ends(images: Images, row: Row, rows: Sequence[Row]) -> Row:
@@ -154,6 +157,14 @@ def _found_after_all(
         if another is not None:
             found.append(another)
     return found, refused
+
+
+def _standing_out(images: Images, placed: Sequence[Seen], rest: Sequence[Row]) -> list[Row]:
+    """Those before the surface of which something is seen."""
+    fits = [each.fit for _, each in placed] + [where.fit for _, where in rest if where.fit is not None]
+    return [
+        row for row, each in placed if stands_out(images.pair, each.fit, [fit for fit in fits if fit is not each.fit])
+    ]
 
 
 def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:

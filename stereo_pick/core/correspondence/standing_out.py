@@ -1,0 +1,141 @@
+"""What is seen before the surface of a solid, within its outline: the object is more than that, as a bottle is seen from
+above, or something stands on it.
+
+The right view is warped onto the left one by the solid's surface. What is printed on it looks the same in both then;
+what light mirrors in it lies behind it, as in any mirror that does not curve inwards. Only what stands out is seen
+nearer than the surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.table_windows import on_grid
+from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_px
+from stereo_pick.core.correspondence.window import Grey
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.shapes.predicted import inside
+from stereo_pick.core.shapes.sight import normalized
+from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.surface import entered
+
+_SIDE_PX, _STRIDE_PX = 11, 3
+_PLACED_PX = 0.05  # sigma that the edges in a window promise
+_ALIKE = 0.7  # correlation
+_LEAD = 0.1  # of it, by which the best place must beat the surface, and what lies behind that
+_NEAREST_PX, _STEP_PX = 1.0, 0.5  # before the surface; the steps in which it is looked for
+_AGREE_PX = 1.5  # from what most of them say
+_LEAST = 8  # windows
+_CLEAR_PX = _SIDE_PX / 2 + 2  # from outlines
+_HIDDEN = 1e-3  # of the depth, by which a place behind the surface is hidden by it
+
+
+def stands_out(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -> bool:
+    """Whether something is seen before a solid's surface that is none of the others."""
+    surface = _Surface.of(pair, fit, others)
+    if surface is None:
+        return False
+    places = surface.unlike()
+    if len(places) < _LEAST:
+        return False
+    out_px = surface.out_px(places)
+    if len(out_px) < _LEAST:
+        return False
+    return int((np.abs(out_px - np.median(out_px)) < _AGREE_PX).sum()) >= _LEAST
+
+
+@dataclass(frozen=True, eq=False)
+class _Surface:
+    """The part (h, w) of the left view around a solid; right: the right view; columns, rows: where in that the surface
+    shows each pixel; usable: of which the windows show it and nothing else; within: which pixels of the right view
+    do; most_px: how far before it something of its size shows."""
+
+    left: Grey
+    right: Grey
+    columns: Grey
+    rows: Grey
+    usable: Bools
+    within: Bools
+    most_px: float
+
+    @staticmethod
+    def of(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -> _Surface | None:
+        """None where too little of the solid is in the view."""
+        rig = pair.rig
+        outline = fit.silhouette_px(rig.left)
+        height, width = pair.left.shape
+        x0, y0 = np.maximum(np.floor(outline.min(axis=0)).astype(int), 0)
+        x1, y1 = np.minimum(np.ceil(outline.max(axis=0)).astype(int) + 1, (width, height))
+        if min(x1 - x0, y1 - y0) <= 2 * _SIDE_PX:
+            return None
+        column, row = np.meshgrid(np.arange(x0, x1, dtype=np.float64), np.arange(y0, y1, dtype=np.float64))
+        places = np.stack([column, row], axis=-1).reshape(-1, 2)
+        ahead = np.c_[normalized(places, rig.left), np.ones(len(places))]
+        eye = rig.eyes_m[1]
+        depth_m = entered(fit, rig.eyes_m[0], ahead)
+        points_m = ahead * depth_m[:, None]
+        own = np.nan_to_num(entered(fit, eye, points_m - eye), nan=0.0) > 1 - _HIDDEN
+        there = places[:, 0] - rig.left.P[0, 2] - rig.focal_px * rig.baseline_m / depth_m + rig.right.P[0, 2]
+        seen = np.nan_to_num(np.c_[there, places[:, 1]], nan=-1.0)
+        usable = own & _clear_within(places, fit, others, rig.left)
+        usable &= _clear_within(seen, fit, others, rig.right)
+        shape = column.shape
+        left = pair.left[y0:y1, x0:x1].astype(np.float32)
+        usable = usable.reshape(shape) & (predicted_sigma_px(left, noise_dn(left), _SIDE_PX, "zncc") < _PLACED_PX)
+        within = np.zeros(pair.right.shape, np.uint8)
+        cv2.fillPoly(within, [np.round(fit.silhouette_px(rig.right)).astype(np.int32)], 1)
+        within = cv2.erode(within, np.ones((_SIDE_PX, _SIDE_PX), np.uint8)) > 0
+        away_m = float(fit.centre_m[2])
+        nearer_m = max(away_m - float(fit.size_m.max()), away_m / 2)
+        most_px = rig.focal_px * rig.baseline_m * (1 / nearer_m - 1 / away_m)
+        columns, rows = seen[:, 0].reshape(shape).astype(np.float32), (row - y0).astype(np.float32)
+        return _Surface(left, pair.right[y0:y1].astype(np.float32), columns, rows, usable, within[y0:y1], most_px)
+
+    def unlike(self) -> Floats:
+        """The windows (N, 2), column and row, that are not alike where the surface shows them."""
+        alike = np.max([self._alike(off) for off in (-_STEP_PX, 0.0, _STEP_PX)], axis=0)
+        return on_grid(self.usable & (alike < _ALIKE), _SIDE_PX, _SIDE_PX, _STRIDE_PX)
+
+    def out_px(self, places: Floats) -> Floats:
+        """By how much (M,) the disparity of those of these is more than the surface's that are seen before it."""
+        x, y = places.T
+        offs = np.arange(-self.most_px, self.most_px + _STEP_PX, _STEP_PX)
+        alike = np.array([self._alike(off)[y, x] for off in offs])
+        before = offs >= _NEAREST_PX
+        if not before.any():
+            return np.zeros(0)
+        front, back = alike[before], alike[~before].max(axis=0)
+        best = front.max(axis=0)
+        return np.asarray(offs[before][front.argmax(axis=0)][(best > _ALIKE) & (best > back + _LEAD)])
+
+    def _alike(self, off_px: float) -> Grey:
+        """Correlation (h, w) of the windows with what the right view shows so far before the surface; -1 where that is
+        not within the solid."""
+        there = cv2.remap(self.right, self.columns - np.float32(off_px), self.rows, cv2.INTER_CUBIC)
+        within = cv2.remap(
+            self.within.astype(np.uint8), self.columns - np.float32(off_px), self.rows, cv2.INTER_NEAREST
+        )
+        size = (_SIDE_PX, _SIDE_PX)
+        level = np.float32(self.left.mean())
+        one, other = self.left - level, there - level
+        mean = [cv2.boxFilter(each, -1, size) for each in (one, other)]
+        both = cv2.boxFilter(one * other, -1, size) - mean[0] * mean[1]
+        squares = [cv2.boxFilter(each * each, -1, size) - m * m for each, m in zip((one, other), mean)]
+        alike = both / np.sqrt(np.maximum(squares[0] * squares[1], np.float32(1e-6)))
+        return np.asarray(np.where(within > 0, alike, -1), np.float32)
+
+
+def _clear_within(places_px: Floats, fit: SolidFit, others: Sequence[SolidFit], camera: Camera) -> Bools:
+    """Which places (N, 2) are clear of the outline of a solid, within it, and of those of others."""
+    points, focal_px = normalized(places_px, camera), float(camera.P[0, 0])
+    clear: Bools = inside(points[None], normalized(fit.silhouette_px(camera), camera)[None])[0] * focal_px > _CLEAR_PX
+    for other in others:
+        away_px = -inside(points[None], normalized(other.silhouette_px(camera), camera)[None])[0] * focal_px
+        clear = clear & (away_px > _CLEAR_PX)
+    return clear

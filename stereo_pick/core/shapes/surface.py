@@ -1,0 +1,47 @@
+"""Where lines of sight meet the surface of a solid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.kinds import CYLINDER, Prism, dot
+from stereo_pick.core.shapes.solid_fit import SolidFit
+
+_TINY = 1e-12
+
+
+def entered(fit: SolidFit, eye_m: Floats, ahead: Floats) -> Floats:
+    """How many times its length each line ahead (N, 3) from an eye (3,) is long where it meets the solid, (N,); NaN
+    where it misses. All in the rectified left frame."""
+    solid = fit.solid
+    origin, way = (eye_m - fit.centre_m) @ fit.rotation, ahead @ fit.rotation
+    half = solid.half_m[0]
+    if isinstance(solid.kind, Prism):
+        normals = np.unique(solid.kind.beside.reshape(-1, 3).round(9), axis=0)
+        reach = dot(solid.kind.touch(normals[None], solid.half_m)[0], normals)
+        near, far = _between_planes(origin, way, normals, reach)
+    elif solid.kind is CYLINDER:
+        ends = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]])
+        slab = _between_planes(origin, way, ends, half[[1, 1]])
+        side = _within_round(origin[:2], way[:, :2], float(half[0]))
+        near, far = np.maximum(slab[0], side[0]), np.minimum(slab[1], side[1])
+    else:
+        near, far = _within_round(origin, way, float(half[0]))
+    return np.where((near < far) & (near > 0), near, np.nan)
+
+
+def _between_planes(origin: Floats, way: Floats, normals: Floats, reach: Floats) -> tuple[Floats, Floats]:
+    """Where lines enter, and leave (N,), what lies below all planes."""
+    towards = way @ normals.T
+    at = (reach - normals @ origin) / np.where(np.abs(towards) < _TINY, _TINY, towards)
+    return np.where(towards < 0, at, -np.inf).max(axis=1), np.where(towards > 0, at, np.inf).min(axis=1)
+
+
+def _within_round(origin: Floats, way: Floats, radius_m: float) -> tuple[Floats, Floats]:
+    """Where lines enter, and leave (N,), a circle, or a ball, about the origin."""
+    square, across = np.maximum(dot(way, way), _TINY), way @ origin
+    root = across**2 - square * (origin @ origin - radius_m**2)
+    half = np.sqrt(np.where(root > 0, root, np.nan))
+    near, far = (-across - half) / square, (-across + half) / square
+    return np.where(root > 0, near, np.inf), np.where(root > 0, far, -np.inf)
