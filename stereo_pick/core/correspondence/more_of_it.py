@@ -1,6 +1,7 @@
 """What touches an object in both views and is refused: another part, or more of the same one, of a shape unknown here.
 
-An angle bracket looks like a box and something else that touches it, a bottle like a cylinder with something on it.
+An angle bracket looks like a box and something else that touches it, or like two boxes, which are flush then; a bottle
+looks like a cylinder with something on it.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.flush_boxes import are_flush, moved_m
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import BlobPair, Row, of_size
@@ -27,24 +29,42 @@ _SHADE = "beside_bright"
 def as_unsure_as_whole(
     rows: Sequence[Row], unread: Sequence[Unread], rig: StereoRig, warped: WarpedViews | None
 ) -> list[Row]:
-    """The same, each as unsure as its centre would move if what touches it and is refused were a piece of it; and where
-    two parts were cut apart, and one of them is none, the other may end elsewhere. warped: what lies there, and so is
-    no piece of what stands there."""
+    """The same, each as unsure as its centre would move if what touches it and is refused, or is flush with it, were a
+    piece of it; and where two parts were cut apart, and one of them is none, the other may end elsewhere. warped: what
+    lies there, and so is no piece of what stands there."""
     others = [(each.left, each.right) for each in unread if each.left and each.right and each.reason != _SHADE]
     fits = [where.fit for _, where in rows if where.fit]
 
     def lies_flat(pair: BlobPair) -> bool:
         return warped is not None and warped.is_all_of(pair[0], fits)
 
-    return [_as_unsure(row, others, rig, lies_flat) for row in rows]
+    return [_as_unsure(_or_both(row, rows), others, rig, lies_flat) for row in rows]
+
+
+def _or_both(row: Row, rows: Sequence[Row]) -> Row:
+    """The same, which may be one with another box that touches it."""
+    blobs, where = row
+    fit = where.fit
+    if fit is None:
+        return row
+    off_m = [
+        moved_m(fit, other.fit)
+        for pair, other in rows
+        if other.fit is not None and are_flush(fit, other.fit, touch=_touch(blobs, pair))
+    ]
+    return blobs, replace(where, covariance=where.covariance + max(off_m, default=0.0) ** 2 * np.eye(3))
+
+
+def _touch(one: BlobPair, other: BlobPair) -> bool:
+    """Whether two objects touch in both views."""
+    return all(are_beside(*each, _TOUCHES_PX) for each in zip(one, other))
 
 
 def _as_unsure(row: Row, others: Sequence[BlobPair], rig: StereoRig, lies_flat: Callable[[BlobPair], bool]) -> Row:
     blobs, where = row
     if where.fit is None:
         return row
-    touching = [pair for pair in others if all(are_beside(*each, _TOUCHES_PX) for each in zip(blobs, pair))]
-    touching = [pair for pair in touching if not lies_flat(pair)]
+    touching = [pair for pair in others if _touch(blobs, pair) and not lies_flat(pair)]
     if not touching:
         return row
     off_px = max(_moved_px(where.fit, pair, rig) for pair in touching)

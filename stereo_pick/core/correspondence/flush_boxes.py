@@ -1,0 +1,51 @@
+"""Two boxes that are hardly two: pieces of one part, as the flanges of an angle bracket, or the arms of a T.
+
+Parts that only touch do so at any angle, or have sides that are not flush. Equal ones may well stand in a row. Of such
+pieces the one is often found too short, where the other hides it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.shapes.kinds import BOX
+from stereo_pick.core.shapes.solid_fit import SolidFit
+
+_TURNED_ALIKE = np.sin(np.deg2rad(1.5))
+_FLUSH = 0.02  # of the largest size, by which what is flush may be off
+_EQUAL = 0.1  # of the larger of two, by which the sizes of equal boxes may differ
+_HIDDEN = 1 / 3  # of the largest size, that may be missing between two of which the outlines touch
+_BOTH_STAND = 1  # pair of faces that is flush where both stand on a table
+
+
+def are_flush(one: SolidFit, other: SolidFit, *, touch: bool) -> bool:
+    """Whether two boxes are next to each other with parallel faces, though of different sizes, and flush in more than
+    how they stand; touch: whether their outlines do, in both views."""
+    if one.kind != BOX.name or other.kind != BOX.name:
+        return False
+    turn = np.abs(one.rotation.T @ other.rotation)
+    order = turn.argmax(axis=1)
+    if turn.max(axis=1).min() < np.sqrt(1 - _TURNED_ALIKE**2):
+        return False
+    sizes_m = np.array([one.size_m, other.size_m[order]])
+    if (np.abs(sizes_m[0] - sizes_m[1]) < _EQUAL * sizes_m.max(axis=0)).all():
+        return False
+    ends_m = _ends_m(sizes_m, (other.centre_m - one.centre_m) @ one.rotation)
+    gap_m, off_m = ends_m[:, 0].max(axis=0) - ends_m[:, 1].min(axis=0), np.abs(ends_m[0] - ends_m[1])
+    flush_m, beside = _FLUSH * float(sizes_m.max()), int(gap_m.argmax())
+    if not -flush_m < gap_m[beside] < (_HIDDEN * float(sizes_m.max()) if touch else flush_m):
+        return False
+    return int((np.delete(off_m, beside, axis=1) < flush_m).sum()) > _BOTH_STAND
+
+
+def moved_m(one: SolidFit, other: SolidFit) -> float:
+    """How far the centre of both is from that of the first."""
+    share = float(np.prod(other.size_m) / (np.prod(one.size_m) + np.prod(other.size_m)))
+    return share * float(np.linalg.norm(other.centre_m - one.centre_m))
+
+
+def _ends_m(sizes_m: Floats, apart_m: Floats) -> Floats:
+    """Where two boxes (2, 3) begin and end (2, 2, 3) along the axes of the first."""
+    middles_m = np.array([np.zeros(3), apart_m])
+    return np.stack([middles_m - sizes_m / 2, middles_m + sizes_m / 2], axis=1)
