@@ -136,7 +136,7 @@ def _tried(sides: Sequence[Sequence[Blob]], matching: Matching, *, alike: bool) 
     """A few ways to cut each of these objects, the likeliest first."""
     tries: Counter[frozenset[Blob]] = Counter()
     tries_of_each: Counter[Blob] = Counter()
-    tried = []
+    tried: list[Way] = []
     for way in ways_to_cut(sides[0], sides[1], matching.similarity, alike):
         if len(tried) == _TRIED_IN_ALL:
             break

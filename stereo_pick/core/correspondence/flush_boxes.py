@@ -20,8 +20,8 @@ _BOTH_STAND = 1  # pair of faces that is flush where both stand on a table
 
 
 def are_flush(one: SolidFit, other: SolidFit, *, touch: bool) -> bool:
-    """Whether two boxes are next to each other with parallel faces, though of different sizes, and flush in more than
-    how they stand; touch: whether their outlines do, in both views."""
+    """Whether two boxes are next to each other, or reach into each other, with parallel faces, though of different
+    sizes, and are flush in more than how they stand; touch: whether their outlines do, in both views."""
     if one.kind != BOX.name or other.kind != BOX.name:
         return False
     turn = np.abs(one.rotation.T @ other.rotation)
@@ -34,7 +34,7 @@ def are_flush(one: SolidFit, other: SolidFit, *, touch: bool) -> bool:
     ends_m = _ends_m(sizes_m, (other.centre_m - one.centre_m) @ one.rotation)
     gap_m, off_m = ends_m[:, 0].max(axis=0) - ends_m[:, 1].min(axis=0), np.abs(ends_m[0] - ends_m[1])
     flush_m, beside = _FLUSH * float(sizes_m.max()), int(gap_m.argmax())
-    if not -flush_m < gap_m[beside] < (_HIDDEN * float(sizes_m.max()) if touch else flush_m):
+    if gap_m[beside] > (_HIDDEN * float(sizes_m.max()) if touch else flush_m):
         return False
     return int((np.delete(off_m, beside, axis=1) < flush_m).sum()) > _BOTH_STAND
 

@@ -1,5 +1,5 @@
-"""What is seen before the surface of a solid, within its outline: the object is more than that, as a bottle is seen from
-above, or something stands on it.
+"""What is seen before the surface of a solid, within its outline: there is more to the object, as to a bottle that is
+seen from above, or something stands on it.
 
 The right view is warped onto the left one by the solid's surface. What is printed on it looks the same in both then;
 what light mirrors in it lies behind it, as in any mirror that does not curve inwards. Only what stands out is seen
@@ -14,12 +14,13 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.table_windows import on_grid
 from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_px
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -61,7 +62,7 @@ class _Surface:
     columns: Grey
     rows: Grey
     usable: Bools
-    within: Bools
+    within: Image
     most_px: float
 
     @staticmethod
@@ -76,33 +77,21 @@ class _Surface:
             return None
         column, row = np.meshgrid(np.arange(x0, x1, dtype=np.float64), np.arange(y0, y1, dtype=np.float64))
         places = np.stack([column, row], axis=-1).reshape(-1, 2)
-        ahead = np.c_[normalized(places, rig.left), np.ones(len(places))]
-        eye = rig.eyes_m[1]
-        depth_m = entered(fit, rig.eyes_m[0], ahead)
-        points_m = ahead * depth_m[:, None]
-        own = np.nan_to_num(entered(fit, eye, points_m - eye), nan=0.0) > 1 - _HIDDEN
-        there = places[:, 0] - rig.left.P[0, 2] - rig.focal_px * rig.baseline_m / depth_m + rig.right.P[0, 2]
-        seen = np.nan_to_num(np.c_[there, places[:, 1]], nan=-1.0)
-        usable = own & _clear_within(places, fit, others, rig.left)
-        usable &= _clear_within(seen, fit, others, rig.right)
-        shape = column.shape
+        seen, there = _in_the_right_view(fit, rig, places)
+        clear = _clear_within(places, fit, others, rig.left) & _clear_within(there, fit, others, rig.right)
         left = pair.left[y0:y1, x0:x1].astype(np.float32)
-        usable = usable.reshape(shape) & (predicted_sigma_px(left, noise_dn(left), _SIDE_PX, "zncc") < _PLACED_PX)
-        within = np.zeros(pair.right.shape, np.uint8)
-        cv2.fillPoly(within, [np.round(fit.silhouette_px(rig.right)).astype(np.int32)], 1)
-        within = cv2.erode(within, np.ones((_SIDE_PX, _SIDE_PX), np.uint8)) > 0
-        away_m = float(fit.centre_m[2])
-        nearer_m = max(away_m - float(fit.size_m.max()), away_m / 2)
-        most_px = rig.focal_px * rig.baseline_m * (1 / nearer_m - 1 / away_m)
-        columns, rows = seen[:, 0].reshape(shape).astype(np.float32), (row - y0).astype(np.float32)
-        return _Surface(left, pair.right[y0:y1].astype(np.float32), columns, rows, usable, within[y0:y1], most_px)
+        tells = predicted_sigma_px(left, noise_dn(left), _SIDE_PX, "zncc") < _PLACED_PX
+        usable = (seen & clear).reshape(left.shape) & tells
+        columns, rows = there[:, 0].reshape(left.shape).astype(np.float32), (row - y0).astype(np.float32)
+        right, within = pair.right[y0:y1].astype(np.float32), _well_within(fit, rig.right)[y0:y1]
+        return _Surface(left, right, columns, rows, usable, within, _most_px(fit, rig))
 
-    def unlike(self) -> Floats:
+    def unlike(self) -> Ints:
         """The windows (N, 2), column and row, that are not alike where the surface shows them."""
         alike = np.max([self._alike(off) for off in (-_STEP_PX, 0.0, _STEP_PX)], axis=0)
         return on_grid(self.usable & (alike < _ALIKE), _SIDE_PX, _SIDE_PX, _STRIDE_PX)
 
-    def out_px(self, places: Floats) -> Floats:
+    def out_px(self, places: Ints) -> Floats:
         """By how much (M,) the disparity of those of these is more than the surface's that are seen before it."""
         x, y = places.T
         offs = np.arange(-self.most_px, self.most_px + _STEP_PX, _STEP_PX)
@@ -118,9 +107,7 @@ class _Surface:
         """Correlation (h, w) of the windows with what the right view shows so far before the surface; -1 where that is
         not within the solid."""
         there = cv2.remap(self.right, self.columns - np.float32(off_px), self.rows, cv2.INTER_CUBIC)
-        within = cv2.remap(
-            self.within.astype(np.uint8), self.columns - np.float32(off_px), self.rows, cv2.INTER_NEAREST
-        )
+        within = cv2.remap(self.within, self.columns - np.float32(off_px), self.rows, cv2.INTER_NEAREST)
         size = (_SIDE_PX, _SIDE_PX)
         level = np.float32(self.left.mean())
         one, other = self.left - level, there - level
@@ -129,6 +116,32 @@ class _Surface:
         squares = [cv2.boxFilter(each * each, -1, size) - m * m for each, m in zip((one, other), mean)]
         alike = both / np.sqrt(np.maximum(squares[0] * squares[1], np.float32(1e-6)))
         return np.asarray(np.where(within > 0, alike, -1), np.float32)
+
+
+def _in_the_right_view(fit: SolidFit, rig: StereoRig, places_px: Floats) -> tuple[Bools, Floats]:
+    """Whether the right camera sees what the left one sees of a solid at these places (N, 2), and where (N, 2)."""
+    ahead = np.c_[normalized(places_px, rig.left), np.ones(len(places_px))]
+    left_eye, right_eye = rig.eyes_m
+    depth_m = entered(fit, left_eye, ahead)
+    share = entered(fit, right_eye, ahead * depth_m[:, None] - right_eye)
+    shift_px = rig.left.P[0, 2] - rig.right.P[0, 2] + rig.focal_px * rig.baseline_m / depth_m
+    there_px = np.c_[places_px[:, 0] - shift_px, places_px[:, 1]]
+    return np.asarray(share > 1 - _HIDDEN), np.nan_to_num(there_px, nan=-1.0)
+
+
+def _well_within(fit: SolidFit, camera: Camera) -> Image:
+    """Where in a view windows show a solid only: 1, else 0."""
+    width, height = camera.frame_size
+    covered = np.zeros((height, width), np.uint8)
+    cv2.fillPoly(covered, [np.round(fit.silhouette_px(camera)).astype(np.int32)], (1,))
+    return np.asarray(cv2.erode(covered, np.ones((_SIDE_PX, _SIDE_PX), np.uint8)), np.uint8)
+
+
+def _most_px(fit: SolidFit, rig: StereoRig) -> float:
+    """By how much the disparity is more of what is nearer by the greatest size of a solid."""
+    away_m = float(fit.centre_m[2])
+    nearer_m = max(away_m - float(fit.size_m.max()), away_m / 2)
+    return rig.focal_px * rig.baseline_m * (1 / nearer_m - 1 / away_m)
 
 
 def _clear_within(places_px: Floats, fit: SolidFit, others: Sequence[SolidFit], camera: Camera) -> Bools:

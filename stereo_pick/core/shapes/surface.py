@@ -34,7 +34,8 @@ def entered(fit: SolidFit, eye_m: Floats, ahead: Floats) -> Floats:
 def _between_planes(origin: Floats, way: Floats, normals: Floats, reach: Floats) -> tuple[Floats, Floats]:
     """Where lines enter, and leave (N,), what lies below all planes."""
     towards = way @ normals.T
-    at = (reach - normals @ origin) / np.where(np.abs(towards) < _TINY, _TINY, towards)
+    towards = np.where(np.abs(towards) < _TINY, _TINY, towards)
+    at = (reach - normals @ origin) / towards
     return np.where(towards < 0, at, -np.inf).max(axis=1), np.where(towards > 0, at, np.inf).min(axis=1)
 
 

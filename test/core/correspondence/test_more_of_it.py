@@ -48,10 +48,22 @@ def test_a_piece_of_what_the_solid_explains_moves_nothing() -> None:
     assert not added((0.5, 0.5), 0.5).any()
 
 
-@pytest.mark.parametrize("yaw_rad", [0.3, 1.2, 2.1, 2.9])
-@pytest.mark.parametrize("thick_m", [0.008, 0.012])
-def test_an_angle_bracket_is_not_placed_surely_at_one_of_its_flanges(yaw_rad: float, thick_m: float) -> None:
-    """Unless both are found: two boxes that touch look the same."""
+@pytest.mark.parametrize(
+    ("thick_m", "yaw_rad"),
+    [
+        *((0.008, yaw_rad) for yaw_rad in (0.3, 1.2, 2.1, 2.9)),
+        *((0.012, yaw_rad) for yaw_rad in (0.3, 2.1, 2.9)),
+        pytest.param(
+            0.012,
+            1.2,
+            marks=pytest.mark.xfail(
+                reason="its foot is found half as long again, its wall as a box on it", strict=True
+            ),
+        ),
+    ],
+)
+def test_an_angle_bracket_is_not_placed_surely_at_one_of_its_flanges(thick_m: float, yaw_rad: float) -> None:
+    """Nor at both, where both are found as boxes: these are flush."""
     along, across = np.array([np.cos(yaw_rad), np.sin(yaw_rad)]), 0.04
     foot, wall = (0.06, across, thick_m), (thick_m, across, 0.04)
     x, y = (foot[0] + thick_m) / 2 * along
@@ -64,8 +76,6 @@ def test_an_angle_bracket_is_not_placed_surely_at_one_of_its_flanges(yaw_rad: fl
     volumes = np.array([np.prod(each) for each in (foot, wall)])
     whole = volumes @ centres[:2] / volumes.sum()
     near = np.linalg.norm(poses.xyz - whole, axis=1) < 0.05
-    if near.sum() == 2:
-        return
     off = poses.xyz[near] - whole
     surprise = [each @ np.linalg.solve(spread, each) for each, spread in zip(off, poses.covariance[near])]
     assert max(surprise, default=0.0) < 16 and len(poses) == 2 + near.sum()

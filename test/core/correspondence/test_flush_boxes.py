@@ -1,0 +1,73 @@
+"""Pieces of one part are flush; parts that only touch are not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rendering.rigs import rotation
+
+from stereo_pick.core.correspondence.flush_boxes import are_flush, moved_m
+from stereo_pick.core.shapes import SolidFit
+
+Size = tuple[float, float, float]
+
+
+def box(middle_m: Size, size_m: Size, turned_deg: float = 0.0, kind: str = "box") -> SolidFit:
+    turned = rotation((0.0, 0.0, np.deg2rad(turned_deg)))
+    return SolidFit(kind, np.array(middle_m), turned, np.array(size_m), 0.1, 1e-8 * np.eye(3))
+
+
+def standing(x_m: float, y_m: float, size_m: Size, turned_deg: float = 0.0) -> SolidFit:
+    """On the plane z = 1."""
+    return box((x_m, y_m, 1.0 - size_m[2] / 2), size_m, turned_deg)
+
+
+FOOT = standing(0.0, 0.0, (0.06, 0.04, 0.01))
+WALL = standing(0.034, 0.0, (0.008, 0.04, 0.05))
+BAR = standing(0.0, 0.0, (0.015, 0.06, 0.03))
+STEM = standing(0.0275, 0.0, (0.04, 0.014, 0.03))
+LONG = standing(0.02, 0.0, (0.055, 0.014, 0.03))
+
+
+@pytest.mark.parametrize("pair", [(FOOT, WALL), (BAR, STEM), (BAR, LONG)], ids=["bracket", "T", "T, its stem too long"])
+@given(turn=st.tuples(*[st.floats(-3, 3)] * 3))
+def test_flanges_and_arms_are_flush_however_they_are_turned(
+    pair: tuple[SolidFit, SolidFit], turn: tuple[float, float, float]
+) -> None:
+    whole = rotation(np.array(turn))
+    one, other = (
+        SolidFit("box", whole @ each.centre_m, whole @ each.rotation, each.size_m, 0.1, each.covariance)
+        for each in pair
+    )
+    assert are_flush(one, other, touch=False) and are_flush(other, one, touch=True)
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (BAR, standing(0.0275, 0.0, (0.04, 0.014, 0.035))),
+        (BAR, standing(0.0305, 0.0, (0.04, 0.014, 0.03), turned_deg=8)),
+        (BAR, standing(0.015, 0.0, BAR.size_m)),
+        (BAR, standing(0.035, 0.0, (0.04, 0.014, 0.03))),
+        (BAR, box((0.0275, 0.0, 0.985), (0.04, 0.04, 0.03), kind="cylinder")),
+    ],
+    ids=["another height", "at an angle", "equal ones in a row", "apart", "of another kind"],
+)
+def test_what_only_touches_is_not(one: SolidFit, other: SolidFit) -> None:
+    assert not are_flush(one, other, touch=False) and not are_flush(other, one, touch=False)
+
+
+def test_of_what_touches_in_both_views_a_piece_may_be_missing_between() -> None:
+    """The one hides it of the other."""
+    shorter = standing(0.0325, 0.0, (0.03, 0.014, 0.03))
+    assert are_flush(BAR, shorter, touch=True) and not are_flush(BAR, shorter, touch=False)
+    assert not are_flush(BAR, standing(0.06, 0.0, (0.03, 0.014, 0.03)), touch=True)
+
+
+def test_the_centre_of_both_is_that_of_their_volumes() -> None:
+    volumes = [np.prod(each.size_m) for each in (BAR, STEM)]
+    both = (volumes[0] * BAR.centre_m + volumes[1] * STEM.centre_m) / sum(volumes)
+    assert moved_m(BAR, STEM) == pytest.approx(float(np.linalg.norm(both - BAR.centre_m)))
+    assert moved_m(STEM, BAR) == pytest.approx(float(np.linalg.norm(both - STEM.centre_m)))
