@@ -57,7 +57,7 @@ def test_a_piece_of_what_the_solid_explains_moves_nothing() -> None:
             0.012,
             1.2,
             marks=pytest.mark.xfail(
-                reason="its foot is found half as long again, its wall as a box on it", strict=True
+                reason="its foot is found half as long again, its wall on it", strict=True
             ),
         ),
     ],
