@@ -17,7 +17,8 @@ REASONS = {
     "flat": "nothing shows that it stands up: a print, a lit top, or a flat part (set flat_parts if yours are flat)",
     "off_table": "what fits it neither stands on the table (feature.table) nor can hang above it",
     "no_solid": "its top or surface (reference_point) is not known: no solid explains it, or which way is up is open",
-    "other_shape": "the edges in and around its outlines are not those of the solid that fits: it is of another shape, or something is on it",
+    "other_shape": "the edges in and around its outlines are not those of the solid that fits: it is of another shape, "
+    "or something is on it",
     "uncertain": "its depth is less sure than max_sigma_of_width allows: its outlines fit no solid, or not each other, "
     "or what touches it may be more of it",
     "left_only": "no object in the right view fits it",

@@ -56,9 +56,7 @@ def test_a_piece_of_what_the_solid_explains_moves_nothing() -> None:
         pytest.param(
             0.012,
             1.2,
-            marks=pytest.mark.xfail(
-                reason="its foot is found half as long again, its wall on it", strict=True
-            ),
+            marks=pytest.mark.xfail(reason="its foot is found half as long again, its wall on it", strict=True),
         ),
     ],
 )
