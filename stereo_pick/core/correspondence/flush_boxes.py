@@ -9,19 +9,22 @@ from __future__ import annotations
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.kinds import BOX
+from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _TURNED_ALIKE = np.sin(np.deg2rad(1.5))
 _FLUSH = 0.02  # of the largest size, by which what is flush may be off
 _EQUAL = 0.1  # of the larger of two, by which the sizes of equal boxes may differ
-_HIDDEN = 1 / 3  # of the largest size, that may be missing between two of which the outlines touch
+_MISSING = 1 / 3  # of the largest size, that may be hidden or in the shadow between the two ...
+_MEET_PX = 2.0  # ... if they are flush on both sides, or their silhouettes come as near as this
 _BOTH_STAND = 1  # pair of faces that is flush where both stand on a table
 
 
-def are_flush(one: SolidFit, other: SolidFit, *, touch: bool) -> bool:
+def are_flush(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
     """Whether two boxes are next to each other, or reach into each other, with parallel faces, though of different
-    sizes, and are flush in more than how they stand; touch: whether their outlines do, in both views."""
+    sizes, and are flush in more than how they stand."""
     if one.kind != BOX.name or other.kind != BOX.name:
         return False
     turn = np.abs(one.rotation.T @ other.rotation)
@@ -34,15 +37,25 @@ def are_flush(one: SolidFit, other: SolidFit, *, touch: bool) -> bool:
     ends_m = _ends_m(sizes_m, (other.centre_m - one.centre_m) @ one.rotation)
     gap_m, off_m = ends_m[:, 0].max(axis=0) - ends_m[:, 1].min(axis=0), np.abs(ends_m[0] - ends_m[1])
     flush_m, beside = _FLUSH * float(sizes_m.max()), int(gap_m.argmax())
-    if gap_m[beside] > (_HIDDEN * float(sizes_m.max()) if touch else flush_m):
+    flush = int((np.delete(off_m, beside, axis=1) < flush_m).sum())
+    if flush <= _BOTH_STAND or gap_m[beside] > _MISSING * float(sizes_m.max()):
         return False
-    return int((np.delete(off_m, beside, axis=1) < flush_m).sum()) > _BOTH_STAND
+    return flush > _BOTH_STAND + 1 or bool(gap_m[beside] < flush_m) or _are_seen_together(one, other, rig)
 
 
 def moved_m(one: SolidFit, other: SolidFit) -> float:
     """How far the centre of both is from that of the first."""
     share = float(np.prod(other.size_m) / (np.prod(one.size_m) + np.prod(other.size_m)))
     return share * float(np.linalg.norm(other.centre_m - one.centre_m))
+
+
+def _are_seen_together(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
+    """Whether their silhouettes meet in both views."""
+    for a, b in zip(one.silhouettes(rig), other.silhouettes(rig)):
+        nearest = max(inside(a[None], b[None]).max(), inside(b[None], a[None]).max())
+        if nearest * rig.focal_px < -_MEET_PX:
+            return False
+    return True
 
 
 def _ends_m(sizes_m: Floats, apart_m: Floats) -> Floats:
