@@ -23,9 +23,10 @@ from stereo_pick.core.correspondence.position import (
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.common_normal import ANGLE
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.hypotheses import BODY, Images
-from stereo_pick.core.shapes.kinds import KINDS, Prism
+from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
@@ -50,7 +51,7 @@ def placed_surely(
             continue
         (blobs, where), fit = row, each.fit
         doubt = _doubt(images, row, each, table, by_m)
-        if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_all_of(blobs[0], fits)):
+        if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_surely_all_of(blobs[0], fits)):
             doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
         placed.append((blobs, by_adjusted(images.rig, where, exactly, doubt)))
     return placed
@@ -80,7 +81,7 @@ def _doubt(images: Images, row: Row, found: Adjusted, table: Table | None, moved
         doubt = doubt + _as_if_it_stood(found, table, images.rig) + float(off_m @ off_m) * np.eye(3)
     if _may_be_longer(found, table):
         doubt = doubt + of_size(fit)
-    if _may_be_a_side(found, table):
+    if _may_be_a_side(found, table) or _may_be_a_dome(found, table):
         doubt = doubt + of_thickness(fit)
     if _may_be_a_streak(found, table):
         doubt = doubt + (float(fit.size_m.max()) / 2) ** 2 * np.eye(3)
@@ -116,6 +117,15 @@ def _may_be_a_streak(found: Adjusted, table: Table | None) -> bool:
 def _may_be_a_side(found: Adjusted, table: Table | None) -> bool:
     """Whether nothing tells how far away a solid is that lacks its creases, but as much of its silhouette as shows."""
     return table is None and found.shown < WELL_SHOWN and not found.is_creased
+
+
+def _may_be_a_dome(found: Adjusted, table: Table | None) -> bool:
+    """Whether it is seen as a cylinder that stands, but the rim of its top, which hardly ever is as bright as its side,
+    does not show: that may be rounded."""
+    fit = found.fit
+    if table is None or fit.kind != CYLINDER.name or not found.has_creases or found.creased >= _WELL_SEEN:
+        return False
+    return abs(float(fit.rotation[:, 2] @ table.normal)) > np.sqrt(1 - ANGLE**2)
 
 
 def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:

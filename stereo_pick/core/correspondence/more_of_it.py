@@ -36,7 +36,7 @@ def as_unsure_as_whole(
     fits = [where.fit for _, where in rows if where.fit]
 
     def lies_flat(pair: BlobPair) -> bool:
-        return warped is not None and warped.is_all_of(pair[0], fits)
+        return warped is not None and warped.is_surely_all_of(pair[0], fits)
 
     return [_as_unsure(_or_both(row, fits, rig), others, rig, lies_flat) for row in rows]
 
