@@ -39,21 +39,20 @@ _SIDE_PX, _STRIDE_PX = 11, 3
 _PLACED_PX = 0.05  # sigma that the edges in a window promise: rectified noise is smooth, and seems to promise less
 _ALIKE = 0.7  # correlation
 _SIGMAS = 3.0
-_TOLERANCE_PX = 0.5  # of these, with more of which the table is not known well enough to say that nothing rises from it
 _CLEAR_PX = _SIDE_PX / 2 + 2  # from the solids
 _LEAST = 8  # windows
 _MOST = 0.9  # of them
+_LOW = 0.1  # of its width, that is no height
+_TINY = 1e-9
 
 
 class _Seen(NamedTuple):
     """Windows that show edges, N of them. left, right: their middles (N, 2), where the table puts them in the right
-    view; lies: which of them (N,) show the table, as far as that is known; surely: which do, and would not if they were
-    a little above it; view: that of the left camera, of a scale."""
+    view; lies: which of them (N,) show the table; view: that of the left camera, of a scale."""
 
     left: Floats
     right: Floats
     lies: Bools
-    surely: Bools
     view: Grey
     scale: float
 
@@ -66,17 +65,18 @@ class WarpedViews:
     table: Table
 
     def is_all_of(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
-        """Whether all that an outline in the left view shows clear of the solids may lie on the table, and something
-        does."""
-        return self._is_all(self._seen.lies, outline, solids)
+        """Whether all that an outline in the left view shows clear of the solids lies on the table, as far as that is
+        known, and something does."""
+        rest = self._beside(outline, solids)
+        return int(rest.sum()) >= _LEAST and float(self._seen.lies[rest].mean()) > _MOST
 
     def is_surely_all_of(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
-        """Whether it does, and the table is known so well that it would show if it did not."""
-        return self._is_all(self._seen.surely, outline, solids)
-
-    def _is_all(self, lies: Bools, outline: Blob, solids: Sequence[SolidFit]) -> bool:
-        rest = self._beside(outline, solids)
-        return int(rest.sum()) >= _LEAST and float(lies[rest].mean()) > _MOST
+        """Whether it does, and the table is known so well there that what is as wide would show if it stood up."""
+        camera = self.pair.rig.left
+        ray = np.append(normalized(outline.centroid_px, camera), 1.0)
+        away_m = self.table.offset_m / max(-float(self.table.normal @ ray), _TINY)
+        width_m = outline.rectangle[1] * away_m / float(camera.P[0, 0])
+        return _SIGMAS * self.table.sigma_m < _LOW * width_m and self.is_all_of(outline, solids)
 
     def rising(self, outline: Blob, solids: Sequence[SolidFit]) -> list[Floats]:
         """Hulls (K, 2) [px] of what an outline in the left view shows clear of the solids that is not on the table."""
@@ -125,9 +125,8 @@ class WarpedViews:
         off_px, sigma_px, alike = off_plane(left, right, plane, windows, (_SIDE_PX, _SIDE_PX))
         known_px = np.hypot(sigma_px, sigma_on_table_px(windows, self.table, rig, scale))
         lies = (alike > _ALIKE) & (np.abs(off_px) < _SIGMAS * known_px)
-        surely = lies & (_SIGMAS * known_px < _TOLERANCE_PX)
         there_px = windows.centre_px - np.c_[windows.disparity_px, np.zeros(len(centre_px))]
-        return _Seen(centre_px, there_px, lies, surely, left, scale)
+        return _Seen(centre_px, there_px, lies, left, scale)
 
 
 def _at_full_size(points_px: Floats, scale: float) -> Floats:

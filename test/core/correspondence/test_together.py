@@ -11,7 +11,8 @@ from families import staged
 from family_scenes import found
 from family_scoring import score
 from rendered_solids import PARTS, PLACED, RIG, rectified
-from rendering import Box, Cylinder, Scene
+from rendering import Box, Cylinder, Scene, Sphere
+from rendering.rigs import table_before
 
 from stereo_pick.core.correspondence import together
 from stereo_pick.core.correspondence.feature import Feature
@@ -122,6 +123,22 @@ def sigma_m(lifted_m: float) -> float:
     off_m = np.linalg.norm(poses.xyz - scene.positions_m()[-1], axis=1)
     assert off_m.min() < 1e-3
     return float(np.sqrt(poses.covariance[off_m.argmin(), 2, 2]))
+
+
+def seen_from_above_sigma_m(*on_top: Sphere) -> float:
+    """One sigma of the depth of a cylinder, and what is on it; infinite where it is refused."""
+    body = Cylinder(0.0, 0.0, (0.044, 0.044, 0.03), albedo=0.6)
+    beside = Cylinder(0.1, 0.03, (0.045, 0.045, 0.05), albedo=0.6), Box(-0.1, 0.0, (0.04, 0.06, 0.05), 0.4, albedo=0.6)
+    scene = Scene((body, *on_top, *beside), table_before(RIG, 0.7, elevation_deg=80), ambient=0.5)
+    poses = seen(scene, Feature())
+    off_m = np.linalg.norm(poses.xyz - scene.positions_m()[0], axis=1)
+    return float(np.sqrt(poses.covariance[off_m.argmin(), 2, 2])) if off_m.min() < 0.02 else float("inf")
+
+
+def test_a_dome_is_no_cylinder_for_sure() -> None:
+    """The rim of its top does not show."""
+    assert seen_from_above_sigma_m() < 1e-3
+    assert seen_from_above_sigma_m(Sphere(0.0, 0.0, (0.044,) * 3, albedo=0.6, base_m=0.03 - 0.022)) > 4e-3
 
 
 def test_what_seems_to_hang_in_the_air_may_be_something_else_that_stands() -> None:
