@@ -76,7 +76,8 @@ class WarpedViews:
         ray = np.append(normalized(outline.centroid_px, camera), 1.0)
         away_m = self.table.offset_m / max(-float(self.table.normal @ ray), _TINY)
         width_m = outline.rectangle[1] * away_m / float(camera.P[0, 0])
-        return _SIGMAS * self.table.sigma_m < _LOW * width_m and self.is_all_of(outline, solids)
+        is_known = bool(_SIGMAS * self.table.sigma_m < _LOW * width_m)
+        return is_known and self.is_all_of(outline, solids)
 
     def rising(self, outline: Blob, solids: Sequence[SolidFit]) -> list[Floats]:
         """Hulls (K, 2) [px] of what an outline in the left view shows clear of the solids that is not on the table."""
