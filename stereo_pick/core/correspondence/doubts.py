@@ -125,7 +125,7 @@ def _may_be_a_dome(found: Adjusted, table: Table | None) -> bool:
     fit = found.fit
     if table is None or fit.kind != CYLINDER.name or not found.has_creases or found.creased >= _WELL_SEEN:
         return False
-    return abs(float(fit.rotation[:, 2] @ table.normal)) > np.sqrt(1 - ANGLE**2)
+    return bool(abs(fit.rotation[:, 2] @ table.normal) > np.sqrt(1 - ANGLE**2))
 
 
 def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
