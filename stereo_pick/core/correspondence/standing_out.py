@@ -21,7 +21,6 @@ from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_px
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.surface import entered
@@ -33,7 +32,7 @@ _LEAD = 0.1  # of it, by which the best place must beat the surface, and what li
 _NEAREST_PX, _STEP_PX = 1.0, 0.5  # before the surface; the steps in which it is looked for
 _AGREE_PX = 1.5  # from what most of them say
 _LEAST = 8  # windows
-_CLEAR_PX = _SIDE_PX / 2 + 2  # from outlines
+_BLUR_PX = 2  # beyond windows, where outlines still show
 _HIDDEN = 1e-3  # of the depth, by which a place behind the surface is hidden by it
 
 
@@ -76,15 +75,14 @@ class _Surface:
         if min(x1 - x0, y1 - y0) <= 2 * _SIDE_PX:
             return None
         column, row = np.meshgrid(np.arange(x0, x1, dtype=np.float64), np.arange(y0, y1, dtype=np.float64))
-        places = np.stack([column, row], axis=-1).reshape(-1, 2)
-        seen, there = _in_the_right_view(fit, rig, places)
-        clear = _clear_within(places, fit, others, rig.left) & _clear_within(there, fit, others, rig.right)
-        left = pair.left[y0:y1, x0:x1].astype(np.float32)
+        seen, there = _in_the_right_view(fit, rig, np.stack([column, row], axis=-1).reshape(-1, 2))
+        left, right = pair.left[y0:y1, x0:x1].astype(np.float32), pair.right[y0:y1].astype(np.float32)
+        columns, rows = there.reshape(left.shape).astype(np.float32), (row - y0).astype(np.float32)
+        within = _well_within(fit, others, rig.right, (0, y0), right.shape)
+        clear = _well_within(fit, others, rig.left, (x0, y0), left.shape)
+        clear &= np.asarray(cv2.remap(within, columns, rows, cv2.INTER_NEAREST), np.uint8) & seen.reshape(left.shape)
         tells = predicted_sigma_px(left, noise_dn(left), _SIDE_PX, "zncc") < _PLACED_PX
-        usable = (seen & clear).reshape(left.shape) & tells
-        columns, rows = there[:, 0].reshape(left.shape).astype(np.float32), (row - y0).astype(np.float32)
-        right, within = pair.right[y0:y1].astype(np.float32), _well_within(fit, rig.right)[y0:y1]
-        return _Surface(left, right, columns, rows, usable, within, _most_px(fit, rig))
+        return _Surface(left, right, columns, rows, (clear > 0) & tells, within, _most_px(fit, rig))
 
     def unlike(self) -> Ints:
         """The windows (N, 2), column and row, that are not alike where the surface shows them."""
@@ -119,22 +117,26 @@ class _Surface:
 
 
 def _in_the_right_view(fit: SolidFit, rig: StereoRig, places_px: Floats) -> tuple[Bools, Floats]:
-    """Whether the right camera sees what the left one sees of a solid at these places (N, 2), and where (N, 2)."""
+    """Whether the right camera sees what the left one sees of a solid at these places (N, 2), and in which column."""
     ahead = np.c_[normalized(places_px, rig.left), np.ones(len(places_px))]
     left_eye, right_eye = rig.eyes_m
     depth_m = entered(fit, left_eye, ahead)
     share = entered(fit, right_eye, ahead * depth_m[:, None] - right_eye)
     shift_px = rig.left.P[0, 2] - rig.right.P[0, 2] + rig.focal_px * rig.baseline_m / depth_m
-    there_px = np.c_[places_px[:, 0] - shift_px, places_px[:, 1]]
-    return np.asarray(share > 1 - _HIDDEN), np.nan_to_num(there_px, nan=-1.0)
+    return np.asarray(share > 1 - _HIDDEN), np.nan_to_num(places_px[:, 0] - shift_px, nan=-1.0)
 
 
-def _well_within(fit: SolidFit, camera: Camera) -> Image:
-    """Where in a view windows show a solid only: 1, else 0."""
-    width, height = camera.frame_size
-    covered = np.zeros((height, width), np.uint8)
-    cv2.fillPoly(covered, [np.round(fit.silhouette_px(camera)).astype(np.int32)], (1,))
-    return np.asarray(cv2.erode(covered, np.ones((_SIDE_PX, _SIDE_PX), np.uint8)), np.uint8)
+def _well_within(
+    fit: SolidFit, others: Sequence[SolidFit], camera: Camera, corner_px: tuple[int, int], shape: tuple[int, ...]
+) -> Image:
+    """Where in a part (h, w) of a view, with that upper left corner, windows show a solid and no other: 1, else 0."""
+    around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SIDE_PX + 2 * _BLUR_PX, _SIDE_PX + 2 * _BLUR_PX))
+    covered = [np.zeros(shape, np.uint8) for _ in range(2)]
+    for which, each in [(0, fit), *((1, other) for other in others)]:
+        outline = np.round(each.silhouette_px(camera) - corner_px).astype(np.int32)
+        cv2.fillPoly(covered[which], [outline], (1,))
+    own = cv2.erode(covered[0], around, borderType=cv2.BORDER_CONSTANT, borderValue=(0,))
+    return np.where(cv2.dilate(covered[1], around) > 0, 0, own).astype(np.uint8)
 
 
 def _most_px(fit: SolidFit, rig: StereoRig) -> float:
@@ -142,13 +144,3 @@ def _most_px(fit: SolidFit, rig: StereoRig) -> float:
     away_m = float(fit.centre_m[2])
     nearer_m = max(away_m - float(fit.size_m.max()), away_m / 2)
     return rig.focal_px * rig.baseline_m * (1 / nearer_m - 1 / away_m)
-
-
-def _clear_within(places_px: Floats, fit: SolidFit, others: Sequence[SolidFit], camera: Camera) -> Bools:
-    """Which places (N, 2) are clear of the outline of a solid, within it, and of those of others."""
-    points, focal_px = normalized(places_px, camera), float(camera.P[0, 0])
-    clear: Bools = inside(points[None], normalized(fit.silhouette_px(camera), camera)[None])[0] * focal_px > _CLEAR_PX
-    for other in others:
-        away_px = -inside(points[None], normalized(other.silhouette_px(camera), camera)[None])[0] * focal_px
-        clear = clear & (away_px > _CLEAR_PX)
-    return clear
