@@ -42,7 +42,7 @@ _SIGMAS = 3.0
 _CLEAR_PX = _SIDE_PX / 2 + 2  # from the solids
 _LEAST = 8  # windows
 _MOST = 0.9  # of them
-_LOW = 0.1  # of its width, that is no height
+_LOW = 0.1  # of its length, that is no height
 _TINY = 1e-9
 
 
@@ -71,12 +71,12 @@ class WarpedViews:
         return int(rest.sum()) >= _LEAST and float(self._seen.lies[rest].mean()) > _MOST
 
     def is_surely_all_of(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
-        """Whether it does, and the table is known so well there that what is as wide would show if it stood up."""
+        """Whether it does, and the table is known so well there that a part as long would show if it stood up."""
         camera = self.pair.rig.left
         ray = np.append(normalized(outline.centroid_px, camera), 1.0)
         away_m = self.table.offset_m / max(-float(self.table.normal @ ray), _TINY)
-        width_m = outline.rectangle[1] * away_m / float(camera.P[0, 0])
-        is_known = bool(_SIGMAS * self.table.sigma_m < _LOW * width_m)
+        length_m = outline.rectangle[0] * away_m / float(camera.P[0, 0])
+        is_known = bool(_SIGMAS * self.table.sigma_m < _LOW * length_m)
         return is_known and self.is_all_of(outline, solids)
 
     def rising(self, outline: Blob, solids: Sequence[SolidFit]) -> list[Floats]:
