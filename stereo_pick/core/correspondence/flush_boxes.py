@@ -9,22 +9,19 @@ from __future__ import annotations
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.kinds import BOX
-from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _TURNED_ALIKE = np.sin(np.deg2rad(1.5))
 _FLUSH = 0.02  # of the largest size, by which what is flush may be off
 _EQUAL = 0.1  # of the larger of two, by which the sizes of equal boxes may differ
-_MISSING = 1 / 3  # of the largest size, that may be hidden or in the shadow between the two ...
-_MEET_PX = 2.0  # ... if they are flush on both sides, or their silhouettes come as near as this
+_MISSING = 1 / 3  # of the largest size, that may be hidden between two, or in the shadow
 _BOTH_STAND = 1  # pair of faces that is flush where both stand on a table
 
 
-def are_flush(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
+def are_flush(one: SolidFit, other: SolidFit, *, touch: bool) -> bool:
     """Whether two boxes are next to each other, or reach into each other, with parallel faces, though of different
-    sizes, and are flush in more than how they stand."""
+    sizes, and are flush in more than how they stand; touch: whether their outlines do, in both views."""
     if one.kind != BOX.name or other.kind != BOX.name:
         return False
     turn = np.abs(one.rotation.T @ other.rotation)
@@ -40,22 +37,13 @@ def are_flush(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
     flush = int((np.delete(off_m, beside, axis=1) < flush_m).sum())
     if flush <= _BOTH_STAND or gap_m[beside] > _MISSING * float(sizes_m.max()):
         return False
-    return flush > _BOTH_STAND + 1 or bool(gap_m[beside] < flush_m) or _are_seen_together(one, other, rig)
+    return flush > _BOTH_STAND + 1 or touch or bool(gap_m[beside] < flush_m)
 
 
 def moved_m(one: SolidFit, other: SolidFit) -> float:
     """How far the centre of both is from that of the first."""
     share = float(np.prod(other.size_m) / (np.prod(one.size_m) + np.prod(other.size_m)))
     return share * float(np.linalg.norm(other.centre_m - one.centre_m))
-
-
-def _are_seen_together(one: SolidFit, other: SolidFit, rig: StereoRig) -> bool:
-    """Whether their silhouettes meet in both views."""
-    for a, b in zip(one.silhouettes(rig), other.silhouettes(rig)):
-        nearest = max(inside(a[None], b[None]).max(), inside(b[None], a[None]).max())
-        if nearest * rig.focal_px < -_MEET_PX:
-            return False
-    return True
 
 
 def _ends_m(sizes_m: Floats, apart_m: Floats) -> Floats:

@@ -38,16 +38,20 @@ def as_unsure_as_whole(
     def lies_flat(pair: BlobPair) -> bool:
         return warped is not None and warped.is_surely_all_of(pair[0], fits)
 
-    return [_as_unsure(_or_both(row, fits, rig), others, rig, lies_flat) for row in rows]
+    return [_as_unsure(_or_both(row, rows), others, rig, lies_flat) for row in rows]
 
 
-def _or_both(row: Row, fits: Sequence[SolidFit], rig: StereoRig) -> Row:
+def _or_both(row: Row, rows: Sequence[Row]) -> Row:
     """The same, which may be one with another box that touches it."""
     blobs, where = row
     fit = where.fit
     if fit is None:
         return row
-    off_m = [moved_m(fit, other) for other in fits if other is not fit and are_flush(fit, other, rig)]
+    off_m = [
+        moved_m(fit, other.fit)
+        for pair, other in rows
+        if other.fit is not None and are_flush(fit, other.fit, touch=_touch(blobs, pair))
+    ]
     return blobs, replace(where, covariance=where.covariance + max(off_m, default=0.0) ** 2 * np.eye(3))
 
 
