@@ -66,7 +66,7 @@ class _Surface:
 
     @staticmethod
     def of(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -> _Surface | None:
-        """None where too little of the solid is in the view."""
+        """None where too little of the solid is in the view, or shows anything."""
         rig = pair.rig
         outline = fit.silhouette_px(rig.left)
         height, width = pair.left.shape
@@ -74,15 +74,17 @@ class _Surface:
         x1, y1 = np.minimum(np.ceil(outline.max(axis=0)).astype(int) + 1, (width, height))
         if min(x1 - x0, y1 - y0) <= 2 * _SIDE_PX:
             return None
+        left, right = pair.left[y0:y1, x0:x1].astype(np.float32), pair.right[y0:y1].astype(np.float32)
+        tells = predicted_sigma_px(left, noise_dn(left), _SIDE_PX, "zncc") < _PLACED_PX
+        usable = tells & (_well_within(fit, others, rig.left, (x0, y0), left.shape) > 0)
+        if len(on_grid(usable, _SIDE_PX, _SIDE_PX, _STRIDE_PX)) < _LEAST:
+            return None
         column, row = np.meshgrid(np.arange(x0, x1, dtype=np.float64), np.arange(y0, y1, dtype=np.float64))
         seen, there = _in_the_right_view(fit, rig, np.stack([column, row], axis=-1).reshape(-1, 2))
-        left, right = pair.left[y0:y1, x0:x1].astype(np.float32), pair.right[y0:y1].astype(np.float32)
         columns, rows = there.reshape(left.shape).astype(np.float32), (row - y0).astype(np.float32)
         within = _well_within(fit, others, rig.right, (0, y0), right.shape)
-        clear = _well_within(fit, others, rig.left, (x0, y0), left.shape)
-        clear &= np.asarray(cv2.remap(within, columns, rows, cv2.INTER_NEAREST), np.uint8) & seen.reshape(left.shape)
-        tells = predicted_sigma_px(left, noise_dn(left), _SIDE_PX, "zncc") < _PLACED_PX
-        return _Surface(left, right, columns, rows, (clear > 0) & tells, within, _most_px(fit, rig))
+        usable &= seen.reshape(left.shape) & (cv2.remap(within, columns, rows, cv2.INTER_NEAREST) > 0)
+        return _Surface(left, right, columns, rows, usable, within, _most_px(fit, rig))
 
     def unlike(self) -> Ints:
         """The windows (N, 2), column and row, that are not alike where the surface shows them."""

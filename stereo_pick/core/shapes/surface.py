@@ -33,10 +33,10 @@ def entered(fit: SolidFit, eye_m: Floats, ahead: Floats) -> Floats:
 
 def _between_planes(origin: Floats, way: Floats, normals: Floats, reach: Floats) -> tuple[Floats, Floats]:
     """Where lines enter, and leave (N,), what lies below all planes."""
-    towards = way @ normals.T
+    towards = normals @ way.T
     towards = np.where(np.abs(towards) < _TINY, _TINY, towards)
-    at = (reach - normals @ origin) / towards
-    return np.where(towards < 0, at, -np.inf).max(axis=1), np.where(towards > 0, at, np.inf).min(axis=1)
+    at = (reach - normals @ origin)[:, None] / towards
+    return np.where(towards < 0, at, -np.inf).max(axis=0), np.where(towards > 0, at, np.inf).min(axis=0)
 
 
 def _within_round(origin: Floats, way: Floats, radius_m: float) -> tuple[Floats, Floats]:
