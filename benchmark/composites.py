@@ -14,8 +14,8 @@ from stereo_pick.core.arrays import Floats
 
 @dataclass(frozen=True)
 class Composite:
-    """pieces: solids about the origin of the table's frame, none within another; volumes: how much of each counts,
-    in one unit, and centres_m: where that is (N, 3)."""
+    """pieces: solids about the origin of the table's frame; volumes: how much of each is within no other, in one unit,
+    and centres_m: where that is (N, 3)."""
 
     pieces: tuple[Solid, ...]
     volumes: tuple[float, ...]

@@ -8,7 +8,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.extent import Extent
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.kinds import BOX, SPHERE
+from stereo_pick.core.shapes.surface import entered
 
 CHOICES = ("volume", "top", "surface")
 
@@ -20,22 +20,10 @@ def reference_point_m(fit: SolidFit, extent: Extent, choice: str) -> Floats:
         return fit.centre_m
     if choice == "top":
         return np.asarray(fit.centre_m - extent.rotation[:, 2] * extent.size_m[2] / 2)
-    ahead = -fit.centre_m / np.linalg.norm(fit.centre_m)
-    return np.asarray(fit.centre_m + ahead * _way_out_m(fit, ahead))
+    return np.asarray(fit.centre_m * entered(fit, np.zeros(3), fit.centre_m[None])[0])
 
 
 def moved_px(fit: SolidFit, point_m: Floats, camera: Camera) -> Floats:
     """How far (2,) [px] from the image of the solid's centre that of a point lies, in a rectified camera."""
     projected = camera.P @ np.append(point_m, 1.0)
     return np.asarray(projected[:2] / projected[2] - fit.centre_px(camera))
-
-
-def _way_out_m(fit: SolidFit, ahead: Floats) -> float:
-    """How far it is from the centre to the surface in a direction (3,), a unit vector."""
-    own, half = np.abs(ahead @ fit.rotation), fit.size_m / 2
-    if fit.kind == SPHERE.name:
-        return float(half[0])
-    if fit.kind == BOX.name:
-        return float((half / np.maximum(own, 1e-9)).min())
-    across = float(np.hypot(own[0], own[1]))
-    return float(min(half[:2].mean() / max(across, 1e-9), half[2] / max(own[2], 1e-9)))

@@ -66,10 +66,11 @@ def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts:
     seen, refused, rest = _looked_for_again(images, open_, seen, rest, astray, warped)
     exact = _exactly(images, seen, table if known else common, known)
     placed = placed_surely(images, seen, exact, table, warped)
-    more = _standing_out(images, [(row, each) for row, (_, each) in zip(placed, seen)], rest)
+    both = [(row, each) for row, (_, each) in zip(placed, seen)]
+    more = _standing_out(images, both, rest)
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
     if warped is not None and not flat_parts:
-        flat += _printed(warped, [(row, each) for row, (_, each) in zip(placed, seen) if row not in flat])
+        flat += _printed(warped, [(row, each) for row, each in both if row not in flat])
     refused += [Unread("flat", *blobs) for blobs, _ in flat]
     refused += [Unread("other_shape", *row[0]) for row in more if row not in flat]
     rest = [seen_in_part(row, images.rig, common) for row in rest]

@@ -35,7 +35,7 @@ def _corners_and_normals(kind_name: str) -> tuple[Floats, Floats]:
     """Corners (C, 3) of the solid whose half sizes are 1, and the outward normals (F, 3) of its flat faces."""
     kind = KINDS[kind_name]
     if isinstance(kind, Prism):
-        return kind.corners, np.unique(kind.beside.reshape(-1, 3).round(6), axis=0)
+        return kind.corners, kind.normals
     angle = np.linspace(0, 2 * np.pi, _RIM, endpoint=False)
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     ends = (-1.0, 1.0) if kind is CYLINDER else ()

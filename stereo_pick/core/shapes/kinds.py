@@ -182,6 +182,11 @@ class Prism(Convex):
         """To its furthest corners."""
         return np.asarray(self.corners.max(axis=0))
 
+    @cached_property
+    def normals(self) -> Floats:
+        """Of its faces, outwards: (F, 3)."""
+        return np.asarray(np.unique(self.beside.reshape(-1, 3).round(9), axis=0))
+
     def corners_m(self, half_m: Floats) -> Floats:
         """Corners (S, C, 3) [m] of prisms with half sizes (S, sizes) [m]."""
         return self.corners * half_m[:, None, self.axes]

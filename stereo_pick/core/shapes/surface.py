@@ -18,7 +18,7 @@ def entered(fit: SolidFit, eye_m: Floats, ahead: Floats) -> Floats:
     origin, way = (eye_m - fit.centre_m) @ fit.rotation, ahead @ fit.rotation
     half = solid.half_m[0]
     if isinstance(solid.kind, Prism):
-        normals = np.unique(solid.kind.beside.reshape(-1, 3).round(9), axis=0)
+        normals = solid.kind.normals
         reach = dot(solid.kind.touch(normals[None], solid.half_m)[0], normals)
         near, far = _between_planes(origin, way, normals, reach)
     elif solid.kind is CYLINDER:
