@@ -71,6 +71,13 @@ class Feature(Method):
         "part, centimetres above the body's centre, and so does a print: what nothing shows to stand up is refused, "
         "unless this is set.",
     )
+    edge_radius_m: float = parameter(
+        0.0003,
+        "How far the edges of parts may be rounded: one sigma of their radius. Outlines do not tell how far they are, "
+        "and a part is higher or deeper as they are rounded more: the larger, the wider are the stated covariances.",
+        low=0.0,
+        high=0.005,
+    )
     table: str = parameter(
         FOUND,
         "What the objects stand on: `found` by its own grain, from the objects that are seen best, or by the shadows "
@@ -133,7 +140,7 @@ class Feature(Method):
 
     def _collected(self, images: Images, found: Reading, is_known: bool) -> Correspondences:
         rig = images.rig
-        together = adjusted_together(images, found, is_known, self.flat_parts)
+        together = adjusted_together(images, found, is_known, self.flat_parts, self.edge_radius_m)
         table = together.table
         prints = [] if self.flat_parts else prints_among(together.kept, rig, table, is_known)
         objects = [row for row in together.kept if row not in prints]

@@ -40,11 +40,14 @@ class Together:
         return self.warped.table if self.warped else None
 
 
-def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts: bool) -> Together:
+def adjusted_together(
+    images: Images, reading: Reading, known: bool, flat_parts: bool, edge_radius_m: float
+) -> Together:
     """The objects where all edges together put them that solids explain, if need be at a last look, and the others as
     they are.
 
-    known: whether the table is known without them; flat_parts: whether parts may be flat.
+    known: whether the table is known without them; flat_parts: whether parts may be flat; edge_radius_m: one sigma of how
+    far their edges are rounded.
     """
     rows, table = reading.kept, reading.table
     whole = [_with_dark_ends(images, row, rows) for row in rows]
@@ -64,7 +67,7 @@ def adjusted_together(images: Images, reading: Reading, known: bool, flat_parts:
     open_ = [Unread("other_shape", *blobs) for blobs, _ in unlike] + list(reading.unread)
     warped = WarpedViews(images.pair, common) if common else None
     seen, refused, rest = _looked_for_again(images, open_, seen, rest, astray, warped)
-    exact = _exactly(images, seen, table if known else common, known)
+    exact = _exactly(images, seen, table if known else common, known, edge_radius_m)
     placed = placed_surely(images, seen, exact, table, warped)
     both = [(row, each) for row, (_, each) in zip(placed, seen)]
     more = _standing_out(images, both, rest)
@@ -93,10 +96,15 @@ def _adjusted(
     return adjusted(fits, images.maps, images.rig, table, known) if fits else ([], table)
 
 
-def _exactly(images: Images, seen: Sequence[Seen], table: Table | None, known: bool) -> list[SolidFit]:
+def _exactly(
+    images: Images, seen: Sequence[Seen], table: Table | None, known: bool, edge_radius_m: float
+) -> list[SolidFit]:
     """The solids where their edges put them once these are placed as exactly as can be; what is astray as it was."""
     clear = [each.fit for _, each in seen if not each.is_astray]
-    found = iter(adjusted(clear, images.exact_maps, images.rig, table, known)[0] if clear else [])
+    if not clear:
+        return [each.fit for _, each in seen]
+    exact, _ = adjusted(clear, images.exact_maps, images.rig, table, known, edge_radius_m=edge_radius_m)
+    found = iter(exact)
     return [each.fit if each.is_astray else next(found).fit for _, each in seen]
 
 

@@ -80,11 +80,13 @@ def adjusted(
     table: Table | None,
     known: bool = False,
     before: Sequence[SolidFit] = (),
+    edge_radius_m: float = 0.0,
 ) -> tuple[list[Adjusted], Table | None]:
     """The solids (at least one), and the table, that all edges together support best.
 
     known: whether the table is known without them, and is moved within its sigma only. Those that stand or lie on it
-    stay there. before: others that may hide some of them, as they may each other.
+    stay there. before: others that may hide some of them, as they may each other. edge_radius_m: one sigma of how far
+    their edges are rounded.
     """
     groups = _groups(fits, table)
     occluders = Occluders.of([*fits, *before], rig)
@@ -94,7 +96,9 @@ def adjusted(
     moved_by = np.zeros(5)  # tilts and height of the table, turns of the right camera
     for round_ in range(_ROUNDS + 1):
         edges = [edges_seen(group.solids, views, rig, moved_by[3:], group.hidden_by(occluders)) for group in groups]
-        seen = [each.evidence(views[0].light * usual_sigma_px(each.scale_px, each.shown)) for each in edges]
+        seen = [
+            each.evidence(views[0].light * usual_sigma_px(each.scale_px, each.shown), edge_radius_m) for each in edges
+        ]
         systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
         step, covariance = _solved(systems, prior, moved_by)
         if round_ == _ROUNDS:
@@ -105,20 +109,25 @@ def adjusted(
         plane = _tilted(plane, step) if plane else None
         if max(_farthest(*each) for each in zip(groups, steps)) < _HARDLY:
             break
-    found = _as_sure_as_scattered(groups, edges, plane, prior, views[0].light)
+    found = _as_sure_as_scattered(groups, edges, plane, prior, views[0].light, edge_radius_m)
     by_row = {row: each for group, several in zip(groups, found) for row, each in zip(group.rows.tolist(), several)}
     return [by_row[row] for row in range(len(fits))], _as_table(plane, covariance) if plane else None
 
 
 def _as_sure_as_scattered(
-    groups: Sequence[_Group], edges: Sequence[Seen], plane: _Plane | None, prior: Floats, light: float
+    groups: Sequence[_Group],
+    edges: Sequence[Seen],
+    plane: _Plane | None,
+    prior: Floats,
+    light: float,
+    edge_radius_m: float,
 ) -> list[list[Adjusted]]:
     """The solids of each group where they are, as sure as the arcs of the scene lie on them.
 
     These are no weights to adjust by: they would change from round to round.
     """
     sigmas_px = arc_sigmas_px([each.arcs for each in edges], [each.shown for each in edges], light)
-    seen = [each.evidence(sigma_px) for each, sigma_px in zip(edges, sigmas_px)]
+    seen = [each.evidence(sigma_px, edge_radius_m) for each, sigma_px in zip(edges, sigmas_px)]
     systems = [_system(group, each, plane) for group, each in zip(groups, seen)]
     _, covariance = _solved(systems, prior, np.zeros(5))
     return [_results(*each, covariance, plane) for each in zip(groups, seen, systems)]

@@ -62,13 +62,23 @@ class Seen(NamedTuple):
     denied: Floats
     arcs: Arcs
 
-    def evidence(self, sigma_px: Floats) -> EdgeEvidence:
-        """What that says of them, if light moves arcs by so much (S,)."""
+    def evidence(self, sigma_px: Floats, edge_radius_m: float = 0.0) -> EdgeEvidence:
+        """What that says of them, if light moves arcs by so much (S,), and edges may be rounded so far."""
         normal, right = self.outer.equations(self.outer.weights(self.scale_px, sigma_px))
         more, more_right = self.inner.equations(self.slid.weights(self.scale_px, sigma_px))
         there = np.asarray(self.inner.there.any(axis=1))
         creased = self.inner.shown()
-        return EdgeEvidence(normal + more, right + more_right, self.scale_px, self.shown, creased, there, self.denied)
+        normal, right = _however_rounded(normal + more, right + more_right, edge_radius_m)
+        return EdgeEvidence(normal, right, self.scale_px, self.shown, creased, there, self.denied)
+
+
+def _however_rounded(normal: Floats, right: Floats, sigma_m: float) -> tuple[Floats, Floats]:
+    """Normal equations without the unknown before the last two, how far edges are rounded (Schur)."""
+    at, rest = normal.shape[1] - 3, np.r_[: normal.shape[1] - 3, -2, -1]
+    shared = normal[:, rest, at]
+    variance_m2 = sigma_m**2 / (1 + sigma_m**2 * normal[:, at, at])
+    less = shared[:, :, None] * shared[:, None] * variance_m2[:, None, None]
+    return normal[:, rest][:, :, rest] - less, right[:, rest] - shared * (variance_m2 * right[:, at])[:, None]
 
 
 def edges_seen(
@@ -95,7 +105,7 @@ def edges_seen(
     denied = share_seen(outer.beside_edge().reshape(in_views), hidden).max(axis=1)
     near = (outer.weight * outer.nearness(scale)).reshape(in_views)
     length_px = outer.length_px.reshape(in_views).sum(axis=2)
-    arcs = arcs_of(outer.residual_px.reshape(in_views), near, length_px, outer.jacobian.shape[2] - 2)
+    arcs = arcs_of(outer.residual_px.reshape(in_views), near, length_px, outer.jacobian.shape[2] - 3)
     return Seen(outer, inner, slid, scale, shown, denied, arcs)
 
 
@@ -118,7 +128,18 @@ def _silhouettes(
     weight = sight.weight.reshape(residual.shape)
     by_turns = np.zeros((*residual.shape, 2))
     by_turns[:, _POINTS:] = _turning_px(sight.points[:, 1], sight.normals[:, 1], rig.focal_px)
-    return EdgeRows(residual, np.concatenate([jacobian, by_turns], axis=2), weight, length_px), beside.hidden
+    columns = [jacobian, _rounding_px(jacobian, solids.kind.sizes)[..., None], by_turns]
+    return EdgeRows(residual, np.concatenate(columns, axis=2), weight, length_px), beside.hidden
+
+
+def _rounding_px(jacobian: Floats, sizes: int) -> Floats:
+    """How much further (S, M) [px/m] solids reach beyond edges when their own, of the same sizes, are rounded.
+
+    What is rounded by r is a solid whose half sizes are less by r, and all that is within r of it (its Minkowski sum
+    with a ball): each tangent moves inwards as that shrinks, and outwards by r.
+    """
+    outwards, centre = jacobian[..., -sizes:].sum(axis=-1), jacobian[..., :3]
+    return np.asarray(np.sqrt(dot(centre, centre)) - outwards)
 
 
 def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
@@ -158,7 +179,8 @@ def _creases_in(
     turns = cross(own, turned) @ solids.turns
     sizes = (own * turned) @ (solids.kind.shares / solids.half_m[:, None])
     by_turns = _turning_px(image, normals, focal) * side  # of the right camera
-    jacobian = np.concatenate([across, turns, sizes, by_turns], axis=2)
+    rounding = np.zeros((*offset.shape, 1))  # a crease slides
+    jacobian = np.concatenate([across, turns, sizes, rounding, by_turns], axis=2)
     rows = EdgeRows(offset, jacobian, weight, _spacing_px(image * focal))
     clear = seen & (inside(image, corners) * focal > _CLEAR_PX)
     return CreaseRows(rows, dot(turned, inner.slide[:, 0]), clear, hidden)

@@ -18,8 +18,9 @@ _ROUNDED_M = 0.0003  # one sigma of how far a crease slides
 
 
 class EdgeRows(NamedTuple):
-    """residual_px: (S, M), how far solids reach beyond edges; jacobian: (S, M, P); weight: (S, M), trust in them;
-    length_px: (S, M), of what each point stands for."""
+    """residual_px: (S, M), how far solids reach beyond edges; jacobian: (S, M, P + 3), last by how far their edges are
+    rounded [m] and by how far the right camera has turned [rad]; weight: (S, M), trust in them; length_px: (S, M), of
+    what each point stands for."""
 
     residual_px: Floats
     jacobian: Floats
@@ -41,7 +42,7 @@ class EdgeRows(NamedTuple):
         return np.asarray(counts * self.length_px / (ARC_PX * sigma_px[:, None] ** 2))
 
     def equations(self, weight: Floats) -> tuple[Floats, Floats]:
-        """Normal matrices (S, P, P) and right-hand sides (S, P)."""
+        """Normal matrices (S, P + 3, P + 3) and right-hand sides (S, P + 3)."""
         weighted = (self.jacobian * weight[..., None]).transpose(0, 2, 1)
         return weighted @ self.jacobian, (weighted @ self.residual_px[..., None])[..., 0]
 
@@ -82,7 +83,7 @@ class CreaseRows(NamedTuple):
         return self.rows._replace(residual_px=self.rows.residual_px + moved_px)
 
     def equations(self, weight: Floats) -> tuple[Floats, Floats]:
-        """Normal matrices (S, P, P) and right-hand sides (S, P), how far each slides eliminated (Schur)."""
+        """Normal matrices (S, P + 3, P + 3) and right-hand sides (S, P + 3), how far each slides eliminated (Schur)."""
         normal, right = self.rows.equations(weight)
         by_m, known = self.slid(weight)
         shared = self.along((weight * self.slides)[..., None] * self.rows.jacobian)
