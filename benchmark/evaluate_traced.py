@@ -3,7 +3,7 @@
 Needs `pip install 'mitsuba>=3.9'` and LLVM's library, 15 or later; DRJIT_LIBLLVM_PATH says where that is, if it is not
 found.
 
-python benchmark/evaluate_traced.py [--family NAME ...] [--seeds N] [--cache DIR] [--jobs N]
+python benchmark/evaluate_traced.py [--family NAME ...] [--seeds N] [--param NAME=VALUE] [--cache DIR] [--jobs N]
 python benchmark/evaluate_traced.py --write docs/path_traced.md
 python benchmark/evaluate_traced.py --show FAMILY SEED OUT.png
 """
@@ -28,7 +28,7 @@ from rendering import Truth
 from scene_cache import kept
 from traced_families import TRACED, traced
 
-from stereo_pick.core.configuration import steps
+from stereo_pick.core.configuration import parsed, steps
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.rig import StereoRig
@@ -47,7 +47,7 @@ def main() -> None:
         return
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     jobs = [(family, seed) for family in options.family for seed in seeds]
-    scores = each(jobs, partial(_scored, options.cache), options.jobs)
+    scores = each(jobs, partial(_scored, options.cache, tuple(options.param)), options.jobs)
     text = _report(scores)
     give_out(options, scores, text)
 
@@ -63,9 +63,9 @@ def _taken(family: str, seed: int) -> Taken:
     return scene.rig, *scene.taken()
 
 
-def _scored(folder: Path | None, job: tuple[str, int]) -> SceneScore:
+def _scored(folder: Path | None, param: tuple[str, ...], job: tuple[str, int]) -> SceneScore:
     rig, frame, truth = taken(folder, job)
-    return score(*job, Pipeline(rig, steps({})), frame, truth)
+    return score(*job, Pipeline(rig, steps(parsed(param))), frame, truth)
 
 
 def _report(scores: Sequence[SceneScore]) -> str:
@@ -97,6 +97,7 @@ def _report(scores: Sequence[SceneScore]) -> str:
 def _options() -> argparse.Namespace:
     parser = scene_parser(__doc__, default=list(TRACED), families=TRACED, seeds=6)
     parser.add_argument("--first-seed", type=int, default=0)
+    parser.add_argument("--param", action="append", default=[], metavar="NAME=VALUE", help="as of stereo-pick locate")
     ask_for_output(parser)
     return parser.parse_args()
 

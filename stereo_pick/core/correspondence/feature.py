@@ -73,8 +73,8 @@ class Feature(Method):
     )
     edge_radius_m: float = parameter(
         0.0003,
-        "How far the edges of parts may be rounded: one sigma of their radius. Outlines do not tell how far they are, "
-        "and a part is higher or deeper as they are rounded more: the larger, the wider are the stated covariances.",
+        "How far the edges of parts are rounded: one sigma of their radius. Outlines hardly tell, and what is rounded "
+        "seems smaller than it is, and elsewhere: the larger this is, the wider are the stated covariances.",
         low=0.0,
         high=0.005,
     )

@@ -46,8 +46,8 @@ def adjusted_together(
     """The objects where all edges together put them that solids explain, if need be at a last look, and the others as
     they are.
 
-    known: whether the table is known without them; flat_parts: whether parts may be flat; edge_radius_m: one sigma of how
-    far their edges are rounded.
+    known: whether the table is known without them; flat_parts: whether parts may be flat; edge_radius_m: one sigma of
+    how far their edges are rounded.
     """
     rows, table = reading.kept, reading.table
     whole = [_with_dark_ends(images, row, rows) for row in rows]

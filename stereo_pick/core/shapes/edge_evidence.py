@@ -23,6 +23,7 @@ from stereo_pick.core.shapes.occluders import Hide, share_seen
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.refinement import robust_scale
 from stereo_pick.core.shapes.residuals import residuals
+from stereo_pick.core.shapes.rounding import however_rounded, rounding_px
 from stereo_pick.core.shapes.sight import turning
 from stereo_pick.core.shapes.solids import Solids
 
@@ -68,17 +69,8 @@ class Seen(NamedTuple):
         more, more_right = self.inner.equations(self.slid.weights(self.scale_px, sigma_px))
         there = np.asarray(self.inner.there.any(axis=1))
         creased = self.inner.shown()
-        normal, right = _however_rounded(normal + more, right + more_right, edge_radius_m)
+        normal, right = however_rounded(normal + more, right + more_right, edge_radius_m)
         return EdgeEvidence(normal, right, self.scale_px, self.shown, creased, there, self.denied)
-
-
-def _however_rounded(normal: Floats, right: Floats, sigma_m: float) -> tuple[Floats, Floats]:
-    """Normal equations without the unknown before the last two, how far edges are rounded (Schur)."""
-    at, rest = normal.shape[1] - 3, np.r_[: normal.shape[1] - 3, -2, -1]
-    shared = normal[:, rest, at]
-    variance_m2 = sigma_m**2 / (1 + sigma_m**2 * normal[:, at, at])
-    less = shared[:, :, None] * shared[:, None] * variance_m2[:, None, None]
-    return normal[:, rest][:, :, rest] - less, right[:, rest] - shared * (variance_m2 * right[:, at])[:, None]
 
 
 def edges_seen(
@@ -128,18 +120,8 @@ def _silhouettes(
     weight = sight.weight.reshape(residual.shape)
     by_turns = np.zeros((*residual.shape, 2))
     by_turns[:, _POINTS:] = _turning_px(sight.points[:, 1], sight.normals[:, 1], rig.focal_px)
-    columns = [jacobian, _rounding_px(jacobian, solids.kind.sizes)[..., None], by_turns]
+    columns = [jacobian, rounding_px(jacobian, solids.kind.sizes)[..., None], by_turns]
     return EdgeRows(residual, np.concatenate(columns, axis=2), weight, length_px), beside.hidden
-
-
-def _rounding_px(jacobian: Floats, sizes: int) -> Floats:
-    """How much further (S, M) [px/m] solids reach beyond edges when their own, of the same sizes, are rounded.
-
-    What is rounded by r is a solid whose half sizes are less by r, and all that is within r of it (its Minkowski sum
-    with a ball): each tangent moves inwards as that shrinks, and outwards by r.
-    """
-    outwards, centre = jacobian[..., -sizes:].sum(axis=-1), jacobian[..., :3]
-    return np.asarray(np.sqrt(dot(centre, centre)) - outwards)
 
 
 def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:

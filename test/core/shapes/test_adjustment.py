@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
+import cv2
 import numpy as np
 import pytest
 from rendered_solids import FROM_ABOVE, PARTS, PLACED, RIG, centre_m, rectified, solid_of
 from rendering import Cylinder, Lamp, Scene, Sensor, Solid, render
 from rigs import rotation
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Floats, Image
+from stereo_pick.core.camera import Camera
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit
@@ -142,3 +144,43 @@ def test_a_part_whose_edge_is_not_sharp_is_found_as_well(light: Lamp) -> None:
     start = fits(np.random.default_rng(5), 0.0, 0.0, (body, *ALL[1:]))
     found, _ = adjusted(start, Images(rectified(RIG, scene)).maps, RIG, TRUE)
     assert off_m(found, (body, *ALL[1:])).max() < 4e-4
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_what_is_rounded_lies_within_a_covariance_that_knows_it(name: str) -> None:
+    assert mahalanobis2(name, radius_m=2e-3, known_m=2e-3) < 7.81
+
+
+def test_to_one_that_does_not_a_rounded_cylinder_lies_elsewhere() -> None:
+    """Two millimetres nearer than it is."""
+    assert mahalanobis2("lying", radius_m=2e-3, known_m=0.0) > 20
+
+
+def test_a_ball_has_no_edges_to_be_rounded() -> None:
+    assert mahalanobis2("sphere", 0.0, known_m=2e-3) == pytest.approx(mahalanobis2("sphere", 0.0, known_m=0.0))
+
+
+def mahalanobis2(name: str, radius_m: float, known_m: float) -> float:
+    """Of a part alone on nothing, drawn with rounded edges, from its true place, adjusted to exact edges."""
+    (start,) = fits(np.random.default_rng(0), 0.0, 0.0, [PARTS[name]])
+    pair = rectified(RIG, SCENE)
+    left, right = (drawn(camera, pair.left.shape, PARTS[name], radius_m) for camera in (RIG.left, RIG.right))
+    views = Images(replace(pair, left=left, right=right)).exact_maps
+    (found,), _ = adjusted([start], views, RIG, None, edge_radius_m=known_m)
+    off = found.fit.centre_m - start.centre_m
+    return float(off @ np.linalg.solve(found.fit.covariance, off))
+
+
+def drawn(camera: Camera, shape: tuple[int, ...], part: Solid, radius_m: float) -> Image:
+    """White on dark, with edges rounded so far: balls around a solid that is smaller by as much."""
+    solid, finer = solid_of(RIG, SCENE, part), 8
+    number = np.arange(4000) + 0.5
+    z, angle = 1 - number / 2000, number * np.pi * (1 + np.sqrt(5))  # spread evenly (Fibonacci)
+    ball = np.stack([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z], axis=-1)
+    own = solid.kind.touch(ball[None], solid.half_m - radius_m)[0] + radius_m * ball
+    points = (own @ solid.rotation[0].T + solid.centre_m[0]) @ camera.P[:, :3].T + camera.P[:, 3]
+    outline = cv2.convexHull((points[:, :2] / points[:, 2:]).astype(np.float32))[:, 0]
+    large = np.zeros((shape[0] * finer, shape[1] * finer), np.uint8)
+    cv2.fillPoly(large, [np.round(((outline + 0.5) * finer - 0.5) * 16).astype(np.int32)], (255,), shift=4)
+    light = cv2.resize(large.astype(np.float32), shape[::-1], interpolation=cv2.INTER_AREA) / 255
+    return Sensor(gain=0.6, offset_dn=40.0, blur_px=0.8).expose(light, np.random.default_rng(1))

@@ -14,6 +14,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.arcs import usual_sigma_px
 from stereo_pick.core.shapes.edge_evidence import EdgeEvidence, edges_seen
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.kinds import dot
 from stereo_pick.core.shapes.solids import Solids
 
 SCENE = Scene(tuple(PARTS.values()), PLACED, ambient=0.6)
@@ -64,6 +65,18 @@ def test_the_step_leads_back(name: str, axis: int) -> None:
     solid, off_m = solid_of(RIG, SCENE, PARTS[name]), 3e-4 * np.eye(3)[axis]
     back = [step(evidence(replace(solid, centre_m=solid.centre_m + sign * off_m)))[:3] for sign in (1, -1)]
     assert (back[1] - back[0])[axis] == pytest.approx(6e-4, rel=0.5 if axis == 2 else 0.1)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_a_rounded_part_reaches_as_far_as_balls_around_a_smaller_one(name: str) -> None:
+    """By the supports of both themselves, not by derivatives; round ones are polygons where they are measured."""
+    solid, radius_m = solid_of(RIG, SCENE, PARTS[name]), 1e-3
+    jacobian = edges_seen(solid, images().maps, RIG).outer.jacobian
+    across = jacobian[..., :3] @ solid.rotation
+    sharp, smaller = (dot(across, solid.kind.touch(across, half)) for half in (solid.half_m, solid.half_m - radius_m))
+    further_px = smaller + radius_m * np.linalg.norm(across, axis=-1) - sharp
+    np.testing.assert_allclose(jacobian[..., -3] * radius_m, further_px, atol=0.02)
+    assert (further_px < 1e-9).all() and (name == "sphere" or further_px.min() < -0.3)
 
 
 def test_the_less_of_a_silhouette_shows_the_less_is_known() -> None:
