@@ -26,6 +26,7 @@ from stereo_pick.core.shapes.residuals import residuals
 from stereo_pick.core.shapes.rounding import however_rounded, rounding_px
 from stereo_pick.core.shapes.sight import turning
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.stretches import stretches_found
 
 _POINTS = 120  # of a silhouette
 _CLEAR_PX = 3.0  # from the silhouette, nearer than which its edge is in the way of a crease's
@@ -53,7 +54,8 @@ class EdgeEvidence(NamedTuple):
 class Seen(NamedTuple):
     """What is seen beside solids (S) and across them; slid: the creases' edges once each crease has slid; scale_px:
     (S,), robust standard deviation of all their distances; shown, denied: (S,), the part of the silhouettes (the least
-    and the most of both views) that lies on edges, and clearly beside such; arcs: how far these lie off them."""
+    and the most of both views) that lies on edges, and clearly beside such; arcs: how far these lie off them; found:
+    (S, M), by how much less a point of the silhouette counts as that is not found around it."""
 
     outer: EdgeRows
     inner: CreaseRows
@@ -62,10 +64,11 @@ class Seen(NamedTuple):
     shown: Floats
     denied: Floats
     arcs: Arcs
+    found: Floats
 
     def evidence(self, sigma_px: Floats, edge_radius_m: float = 0.0) -> EdgeEvidence:
         """What that says of them, if light moves arcs by so much (S,), and edges may be rounded so far."""
-        normal, right = self.outer.equations(self.outer.weights(self.scale_px, sigma_px))
+        normal, right = self.outer.equations(self.found * self.outer.weights(self.scale_px, sigma_px))
         more, more_right = self.inner.equations(self.slid.weights(self.scale_px, sigma_px))
         there = np.asarray(self.inner.there.any(axis=1))
         creased = self.inner.shown()
@@ -98,7 +101,9 @@ def edges_seen(
     near = (outer.weight * outer.nearness(scale)).reshape(in_views)
     length_px = outer.length_px.reshape(in_views).sum(axis=2)
     arcs = arcs_of(outer.residual_px.reshape(in_views), near, length_px, outer.jacobian.shape[2] - 3)
-    return Seen(outer, inner, slid, scale, shown, denied, arcs)
+    across = outer.jacobian[..., :3].reshape(*near.shape, 3)
+    found = stretches_found(across, near, ~hidden) if views[0].is_exact else np.ones(near.shape)
+    return Seen(outer, inner, slid, scale, shown, denied, arcs, found.reshape(outer.weight.shape))
 
 
 def _scale_px(outer: EdgeRows, inner: EdgeRows) -> Floats:
