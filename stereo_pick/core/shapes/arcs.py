@@ -11,7 +11,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.evidence import ARC_PX, USUAL_PX
 
 USUAL_SIGMA_PX = 0.11  # by which light moves an arc, as a rule
-EXACT = 0.63  # of how far light moves arcs, where their edges are placed as exactly as can be
+EXACT = 0.58  # of how far light moves arcs, where their edges are placed as exactly as can be
 _KNOWN = 0.3  # of the points of an arc, in which it is trusted
 _USUAL_OFF_PX = 0.04  # that an arc lies off its solid
 _COUNTS_FOR = 10.0  # arcs, so much what is usual says of a scene, and a scene of each of its solids
