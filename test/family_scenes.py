@@ -8,7 +8,7 @@ from family_scoring import SceneScore, score
 from stereo_pick.core.pipeline import Pipeline, Steps
 
 
-def found(family: str, seed: int) -> SceneScore:
-    """What default parameters make of a scene, against its truth."""
+def found(family: str, seed: int, steps: Steps | None = None) -> SceneScore:
+    """What default parameters, or these, make of a scene, against its truth."""
     scene = staged(family, seed)
-    return score(family, seed, Pipeline(scene.rig, Steps()), *scene.taken())
+    return score(family, seed, Pipeline(scene.rig, steps or Steps()), *scene.taken())

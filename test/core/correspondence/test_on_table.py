@@ -117,9 +117,9 @@ def test_grain_on_which_nothing_stands_is_no_table(
     surface = Table(np.array(normal), offset + below_m, 5e-4)
     asked: list[bool] = []
 
-    def adjusted_there(images: Images, reading: Reading, known: bool, flat: bool) -> Together:
+    def adjusted_there(images: Images, reading: Reading, known: bool, flat: bool, edge_radius_m: float) -> Together:
         asked.append(known)
-        return adjusted_together(images, reading, known, flat)
+        return adjusted_together(images, reading, known, flat, edge_radius_m)
 
     monkeypatch.setattr(feature, "grained_table", lambda *_: surface)
     monkeypatch.setattr(feature, "adjusted_together", adjusted_there)
