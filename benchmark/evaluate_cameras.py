@@ -120,7 +120,10 @@ def _scored(folder: Path | None, job: Job) -> SceneScore:
 
 
 def _report(several: dict[str, list[SceneScore]], families: Sequence[str], seeds: int) -> str:
-    header = ("camera", "found / required", "ghosts", "> 5 mm wrong", "median mm", "d² < 7.81", "refused most often")
+    header = (
+        "camera", "found / required", "ghosts", "> 5 mm wrong", "of these not admitted", "median mm", "d² < 7.81",
+        "refused most often",
+    )  # fmt: skip
     what = [(name.replace("_", " "), (camera.__doc__ or "").strip()) for name, camera in CAMERAS.items()]
     named = ", ".join(f"`{family}`" for family in families)
     return "\n\n".join(
@@ -141,6 +144,7 @@ def _row(name: str, scores: Sequence[SceneScore]) -> tuple[str, ...]:
         f"{required - missed} / {required}",
         str(sum(len(one.ghosts_m) for one in scores)),
         str(sum(one.wrong for one in scores)),
+        str(sum(one.unadmitted for one in scores)),
         decimals(1000 * median(off_m), 2),
         percent(fmean(value < CHI2_3[95] for value in surprise)),
         ", ".join(f"{count} {reason}" for reason, count in refused.most_common(3)),
