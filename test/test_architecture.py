@@ -28,6 +28,7 @@ CORE_LAYERS = (
     "errors",
     "arrays",
     "sampling",
+    "noise",
     "params",
     "refusal",
     "transform",

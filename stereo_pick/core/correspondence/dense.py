@@ -11,7 +11,8 @@ from stereo_pick.core.arrays import Floats, Image, Ints
 from stereo_pick.core.correspondence.matching import Evidence, WindowMatching
 from stereo_pick.core.correspondence.refinement import refine
 from stereo_pick.core.correspondence.sweep import sweep
-from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_px
+from stereo_pick.core.correspondence.texture import predicted_sigma_px
+from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import Grey
 
 _FAR_PX = 1e6

@@ -8,19 +8,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.window import Grey, window_at
 
-_QUANTISATION_DN = 12**-0.5
-_MEDIAN_TO_SIGMA = 1.4826
-_MASK = np.outer((1, -2, 1), (1, -2, 1)).astype(np.float32)  # what it leaves of a smooth surface is noise
 _WIDENING = 1.5
-
-
-def noise_dn(image: Grey) -> float:
-    """One sigma of the pixel noise of a view [grey levels], at least that of 8 bits (Immerkaer 1996, by the median).
-
-    Fine texture all over the view counts as noise: windows then come out wider than they need to be.
-    """
-    left = np.abs(cv2.filter2D(image, -1, _MASK))
-    return max(float(np.median(left)) * _MEDIAN_TO_SIGMA / float(np.linalg.norm(_MASK)), _QUANTISATION_DN)
 
 
 def window_sizes(narrowest_px: int, widest_px: int) -> list[int]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.objects.edge_model import BLURS_PX, Edges, find_edges, nearest_blur_px
 from stereo_pick.core.objects.edge_places import places_px
 from stereo_pick.core.objects.outline import upper_median
@@ -20,13 +21,16 @@ from stereo_pick.core.shapes.arcs import EXACT
 
 USUAL_BLUR_PX = 0.85  # of a lens, with the rectification
 _SURELY_OTHER = 1.2  # factor: the blurs that sharp views show differ by as much
-_BLUR = cv2.getGaussianKernel(7, 0.8).ravel()
+_BLUR_PX = 0.8
+_BLUR = cv2.getGaussianKernel(7, _BLUR_PX).ravel()
 _SMOOTH = np.convolve(_BLUR, [0.25, 0.5, 0.25])
 _SLOPE = np.convolve(_BLUR, [-0.5, 0.0, 0.5])
 NOISE_OF_PIXELS = 1 / float(np.linalg.norm(_SLOPE) * np.linalg.norm(_SMOOTH))  # by that of their gradient
 _CLEAR = 5.0  # sigmas of the gradient from which it is an edge
 _STEP_PX = 0.5
 _SAMPLED = 4  # every so many pixels for the noise
+_NOISY = 4.0  # grey levels a pixel, from which weak edges drown that a blur saves; with less it costs others
+_NO_GRAIN = 0.4  # of that differs from pixel to pixel, also after rectification; of the grain of a table less does
 _LEAST_NOISE = 0.1  # grey levels a pixel: rounding alone
 
 
@@ -65,9 +69,12 @@ class EdgeMap:
 
     @staticmethod
     def of(image: Image, camera: Camera, blur_px: float = USUAL_BLUR_PX) -> EdgeMap:
-        """Look at a view (H, W)."""
-        along_rows = cv2.sepFilter2D(image, cv2.CV_32F, _SLOPE, _SMOOTH)[::_SAMPLED, ::_SAMPLED]
-        return EdgeMap(image, max(1.4826 * upper_median(np.abs(along_rows).ravel()), _LEAST_NOISE), camera, blur_px)
+        """Look at a view (H, W), through a further blur if it is full of noise."""
+        noise = _noise(image)
+        if noise * NOISE_OF_PIXELS > _NOISY and noise_dn(image.astype(np.float32)) > _NO_GRAIN * _NOISY:
+            image = np.asarray(cv2.sepFilter2D(image, -1, _BLUR, _BLUR), np.uint8)
+            noise, blur_px = _noise(image), float(np.hypot(blur_px, _BLUR_PX))
+        return EdgeMap(image, noise, camera, blur_px)
 
     def shows(self, points_px: Floats, normals: Floats, reach_px: float, asked: Bools | None = None) -> Bools:
         """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line.
@@ -100,6 +107,11 @@ class EdgeMap:
         high = np.maximum(np.ceil(points_px.max(axis=0) + margin_px).astype(np.int64), low) + 1
         around = self.image[low[1] : high[1], low[0] : high[0]]
         return low, [cv2.sepFilter2D(around, cv2.CV_32F, *way) for way in ((_SLOPE, _SMOOTH), (_SMOOTH, _SLOPE))]
+
+
+def _noise(image: Image) -> float:
+    along_rows = cv2.sepFilter2D(image, cv2.CV_32F, _SLOPE, _SMOOTH)[::_SAMPLED, ::_SAMPLED]
+    return max(1.4826 * upper_median(np.abs(along_rows).ravel()), _LEAST_NOISE)
 
 
 def _across(

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from outlines import pattern
 
-from stereo_pick.core.correspondence.texture import noise_dn, predicted_sigma_at, predicted_sigma_px, window_sizes
+from stereo_pick.core.correspondence.texture import predicted_sigma_at, predicted_sigma_px, window_sizes
+from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import COSTS, Grey
 
 V, U = np.indices((200, 300), np.float64)
@@ -15,15 +16,6 @@ V, U = np.indices((200, 300), np.float64)
 def view(contrast: float, sigma_dn: float, seed: int = 0) -> Grey:
     noise = np.random.default_rng(seed).normal(0, sigma_dn, U.shape)
     return np.asarray(pattern(contrast=contrast)(U, V) + noise, np.float32)
-
-
-@pytest.mark.parametrize("sigma_dn", [0.5, 1.0, 3.0, 8.0])
-def test_the_noise_is_measured(sigma_dn: float) -> None:
-    assert noise_dn(view(0.0, sigma_dn)) == pytest.approx(sigma_dn, rel=0.05)
-
-
-def test_the_noise_is_never_less_than_that_of_whole_grey_levels() -> None:
-    assert noise_dn(np.full((50, 50), 7, np.float32)) == pytest.approx(12**-0.5)
 
 
 @pytest.mark.parametrize("cost", COSTS)
