@@ -12,8 +12,8 @@ from stereo_pick.core.correspondence.matching import Evidence, WindowMatching
 from stereo_pick.core.correspondence.refinement import refine
 from stereo_pick.core.correspondence.sweep import sweep
 from stereo_pick.core.correspondence.texture import predicted_sigma_px
-from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import Grey
+from stereo_pick.core.noise import noise_dn
 
 _FAR_PX = 1e6
 

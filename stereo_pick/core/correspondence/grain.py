@@ -18,10 +18,10 @@ from stereo_pick.core.correspondence.table_windows import (
     uneven,
 )
 from stereo_pick.core.correspondence.texture import predicted_sigma_px
-from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.correspondence.window_planes import agree_on, planes_through, refitted
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.objects import Blobs
 from stereo_pick.core.shapes.table import Table
 

@@ -25,10 +25,10 @@ from stereo_pick.core.correspondence.table_windows import (
     valid,
 )
 from stereo_pick.core.correspondence.texture import predicted_sigma_px
-from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.correspondence.window_planes import of_table, sigma_on_table_px
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized

@@ -15,9 +15,9 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.table_windows import Windows
-from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.correspondence.window_planes import as_table
+from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.table import Table
 

@@ -25,10 +25,10 @@ from stereo_pick.core.correspondence.table_windows import (
     valid,
 )
 from stereo_pick.core.correspondence.texture import predicted_sigma_px
-from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.correspondence.window_planes import agree_on, as_table, lie_below, planes_through, refitted
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.objects import Blobs
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.sight import normalized

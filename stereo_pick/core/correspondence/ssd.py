@@ -16,9 +16,9 @@ from stereo_pick.core.correspondence.matching import Evidence, WindowMatching
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.refinement import refine
 from stereo_pick.core.correspondence.texture import predicted_sigma_at
-from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import Grey, factor, misfit_along_row, window_at
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal

@@ -18,9 +18,9 @@ from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.table_windows import on_grid
 from stereo_pick.core.correspondence.texture import predicted_sigma_px
-from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit

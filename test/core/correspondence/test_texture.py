@@ -7,7 +7,6 @@ import pytest
 from outlines import pattern
 
 from stereo_pick.core.correspondence.texture import predicted_sigma_at, predicted_sigma_px, window_sizes
-from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.correspondence.window import COSTS, Grey
 
 V, U = np.indices((200, 300), np.float64)
