@@ -15,6 +15,7 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.objects.edge_model import BLURS_PX, Edges, find_edges, nearest_blur_px
 from stereo_pick.core.objects.edge_places import places_px
+from stereo_pick.core.objects.exposure import CLIPPED
 from stereo_pick.core.objects.outline import upper_median
 from stereo_pick.core.sampling import remapped
 from stereo_pick.core.shapes.arcs import EXACT
@@ -31,6 +32,9 @@ _STEP_PX = 0.5
 _SAMPLED = 4  # every so many pixels for the noise
 _NOISY = 4.0  # grey levels a pixel, from which weak edges drown that a blur saves; with less it costs others
 _NO_GRAIN = 0.4  # of that differs from pixel to pixel, also after rectification; of the grain of a table less does
+# One sigma of the place of an edge beside what is clipped: so far outside of it the half-way level to a table half as
+# bright as white is reached, where half as much light again as white stands for came from the part.
+_CLIPPED_PX = 0.65 * USUAL_BLUR_PX
 _LEAST_NOISE = 0.1  # grey levels a pixel: rounding alone
 
 
@@ -59,6 +63,7 @@ class EdgeMap:
         if not self.is_exact:
             return edges
         place_px, spread_px = places_px(profiles, self.modelled_blur_px)
+        spread_px = np.hypot(spread_px, _CLIPPED_PX * (profiles >= CLIPPED).any(axis=1))
         return replace(edges, place_px=place_px, spread_px=spread_px)
 
     @property

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 from rendered_solids import RIG
 
 from stereo_pick.core.arrays import Floats, Image
-from stereo_pick.core.objects.edge_model import OFFSETS_PX
+from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges
 from stereo_pick.core.sampling import sampled
 from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX, EdgeMap
 from stereo_pick.core.shapes.locking import trust
@@ -29,11 +31,15 @@ def grey(levels: Floats) -> Image:
     return np.clip(np.round(levels), 0, 255).astype(np.uint8)
 
 
-def trusted(view: EdgeMap) -> float:
-    """The part of the edge's points that are trusted."""
+def edges_in(view: EdgeMap) -> Edges:
     rows = np.arange(20.0, SIZE[0] - 20)
     places = np.stack(np.broadcast_arrays(EDGE_PX + OFFSETS_PX, rows[:, None]), axis=-1)
-    return float((trust(view.edges(sampled(view.image, places)), view.noise) > 0).mean())
+    return view.edges(sampled(view.image, places))
+
+
+def trusted(view: EdgeMap) -> float:
+    """The part of the edge's points that are trusted."""
+    return float((trust(edges_in(view), view.noise) > 0).mean())
 
 
 def as_it_is(image: Image) -> EdgeMap:
@@ -62,3 +68,13 @@ def test_the_grain_of_a_table_is_left_as_it_is() -> None:
     noisy = EdgeMap.of(grey(120 + np.random.default_rng(0).normal(0, 2 * NOISE_DN, SIZE)), RIG.left)
     seen = EdgeMap.of(image, RIG.left)
     assert seen.noise > noisy.noise and seen.image is image and noisy.blur_px > USUAL_BLUR_PX
+
+
+@pytest.mark.parametrize("height_dn", [180.0, 230.0, 310.0, 390.0])
+def test_an_edge_beside_what_is_clipped_is_farther_out_than_it_seems_but_within_its_sigma(height_dn: float) -> None:
+    """From a tenth more light than white stands for up to almost twice as much."""
+    exact, clipped = (
+        edges_in(replace(EdgeMap.of(step_of(height, 0.5), RIG.left), is_exact=True)) for height in (140.0, height_dn)
+    )
+    assert abs(exact.place_px.mean()) < 0.05 and np.max(exact.spread_px) < 0.15
+    assert clipped.place_px.max() < -0.1 and (np.abs(clipped.place_px) < 2 * clipped.spread_px).all()
