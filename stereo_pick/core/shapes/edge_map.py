@@ -35,6 +35,7 @@ _NO_GRAIN = 0.4  # of that differs from pixel to pixel, also after rectification
 # One sigma of the place of an edge beside what is clipped: so far outside of it the half-way level to a table half as
 # bright as white is reached, where half as much light again as white stands for came from the part.
 _CLIPPED_PX = 0.65 * USUAL_BLUR_PX
+_NEIGHBOURS = -1, 0, 1  # on a line, that are looked at together in noise
 _LEAST_NOISE = 0.1  # grey levels a pixel: rounding alone
 
 
@@ -42,6 +43,7 @@ _LEAST_NOISE = 0.1  # grey levels a pixel: rounding alone
 class EdgeMap:
     """A rectified view (H, W), one sigma of its gradient [grey levels/px] where there are no edges, and the blur of
     its lens [px, one sigma]. is_exact: whether edges are placed as exactly as can be, which is for known ones alone.
+    is_noisy: whether neighbours on a line have to be looked at together, since noise hides the edge of each.
 
     The gradient is made where it is asked for: that takes a fraction of the time that the whole view takes.
     """
@@ -51,6 +53,7 @@ class EdgeMap:
     camera: Camera
     blur_px: float
     is_exact: bool = False
+    is_noisy: bool = False
 
     @property
     def light(self) -> float:
@@ -76,10 +79,24 @@ class EdgeMap:
     def of(image: Image, camera: Camera, blur_px: float = USUAL_BLUR_PX) -> EdgeMap:
         """Look at a view (H, W), through a further blur if it is full of noise."""
         noise = _noise(image)
-        if noise * NOISE_OF_PIXELS > _NOISY and noise_dn(image.astype(np.float32)) > _NO_GRAIN * _NOISY:
-            image = np.asarray(cv2.sepFilter2D(image, -1, _BLUR, _BLUR), np.uint8)
-            noise, blur_px = _noise(image), float(np.hypot(blur_px, _BLUR_PX))
-        return EdgeMap(image, noise, camera, blur_px)
+        if noise * NOISE_OF_PIXELS < _NOISY or noise_dn(image.astype(np.float32)) < _NO_GRAIN * _NOISY:
+            return EdgeMap(image, noise, camera, blur_px)
+        blurred = np.asarray(cv2.sepFilter2D(image, -1, _BLUR, _BLUR), np.uint8)
+        return EdgeMap(blurred, _noise(blurred), camera, float(np.hypot(blur_px, _BLUR_PX)), is_noisy=True)
+
+    def together(self, profiles: Floats, points: int) -> Floats:
+        """Profiles (N, M) across closed lines of so many points each, as they are, or each as the mean with its
+        neighbours."""
+        if not self.is_noisy:
+            return profiles
+        lines = profiles.reshape(-1, points, profiles.shape[1])
+        mean: Floats = np.mean([np.roll(lines, by, axis=1) for by in _NEIGHBOURS], axis=0)
+        return mean.reshape(profiles.shape)
+
+    @property
+    def noise_together(self) -> float:
+        """The noise of what is looked at together, as that of the gradient."""
+        return self.noise / len(_NEIGHBOURS) ** 0.5 if self.is_noisy else self.noise
 
     def shows(self, points_px: Floats, normals: Floats, reach_px: float, asked: Bools | None = None) -> Bools:
         """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line.

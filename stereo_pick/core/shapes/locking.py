@@ -132,13 +132,14 @@ def _edges_near(
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
         profiles = sampled(view.image, points_px[:, None] - inwards[:, None] * normals[:, None])
-        edges = view.edges(profiles, solid)
+        edges = view.edges(view.together(profiles, shape[1]), solid)
         offset = edges.place_px - _MIDDLE_PX + shift
         best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, trust(edges, noise), edges.step], best)
     darker = np.flatnonzero((best[2] < 0) & (best[1] > 0))
     edges_px = points_px[darker] - best[0, darker, None] * normals[darker]
     best[0, darker] += shadow_px(view.image, edges_px, -normals[darker], -best[2, darker], noise)
-    sigma_px = _NOISE_PX * np.sqrt(blur_px) * noise / np.maximum(np.abs(best[2]), noise)
+    together = view.noise_together
+    sigma_px = _NOISE_PX * np.sqrt(blur_px) * together / np.maximum(np.abs(best[2]), together)
     return best[0].reshape(shape), best[1].reshape(shape), sigma_px.reshape(shape)
 
 

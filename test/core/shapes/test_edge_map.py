@@ -55,6 +55,16 @@ def test_more_is_seen_of_an_edge_as_weak_as_noise_than_there_would_be(height: fl
     assert gained > 0.05 > trusted(EdgeMap.of(nothing, RIG.left)) - trusted(as_it_is(nothing))
 
 
+def test_in_noise_and_there_alone_neighbours_on_each_line_are_looked_at_together() -> None:
+    quiet, noisy = (EdgeMap.of(step_of(0.0, noise), RIG.left) for noise in (1.0, NOISE_DN))
+    noise = np.random.default_rng(0).normal(0, NOISE_DN, (2, 500, len(OFFSETS_PX)))
+    profiles = (noise + np.array([50.0, 150.0])[:, None, None]).reshape(-1, len(OFFSETS_PX))
+    assert quiet.together(profiles, 500) is profiles and quiet.noise_together == quiet.noise
+    left = noisy.together(profiles, 500).reshape(noise.shape)
+    assert left.std(axis=1).mean() / NOISE_DN == pytest.approx(noisy.noise_together / noisy.noise, rel=0.05)
+    assert left.mean(axis=(1, 2)) == pytest.approx([50.0, 150.0], abs=0.5)
+
+
 @pytest.mark.parametrize("noise_dn", [0.5, 1.0, 2.0])
 def test_the_noise_of_ordinary_light_is_left_as_it_is(noise_dn: float) -> None:
     image = step_of(20.0, noise_dn)
