@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.noise import noise_dn
-from stereo_pick.core.objects.edge_model import BLURS_PX, Edges, find_edges, nearest_blur_px
+from stereo_pick.core.objects.edge_model import BLURS_PX, OFFSETS_PX, Edges, find_edges, nearest_blur_px
 from stereo_pick.core.objects.edge_places import places_px
 from stereo_pick.core.objects.exposure import CLIPPED
 from stereo_pick.core.objects.outline import upper_median
@@ -35,6 +35,7 @@ _NO_GRAIN = 0.4  # of that differs from pixel to pixel, also after rectification
 # One sigma of the place of an edge beside what is clipped: so far outside of it the half-way level to a table half as
 # bright as white is reached, where half as much light again as white stands for came from the part.
 _CLIPPED_PX = 0.65 * USUAL_BLUR_PX
+_BESIDE = np.abs(OFFSETS_PX) <= 2.0  # the blur reaches no farther: what is white beyond, as a high light, moves nothing
 _NEIGHBOURS = -1, 0, 1  # on a line, that are looked at together in noise
 _LEAST_NOISE = 0.1  # grey levels a pixel: rounding alone
 
@@ -66,7 +67,7 @@ class EdgeMap:
         if not self.is_exact:
             return edges
         place_px, spread_px = places_px(profiles, self.modelled_blur_px)
-        spread_px = np.hypot(spread_px, _CLIPPED_PX * (profiles >= CLIPPED).any(axis=1))
+        spread_px = np.hypot(spread_px, _CLIPPED_PX * (profiles[:, _BESIDE] >= CLIPPED).any(axis=1))
         return replace(edges, place_px=place_px, spread_px=spread_px)
 
     @property
