@@ -1,4 +1,4 @@
-"""What noise leaves of edges."""
+"""What noise, and light that is more than white, leave of edges."""
 
 from __future__ import annotations
 

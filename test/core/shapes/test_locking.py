@@ -104,8 +104,10 @@ def test_noise_moves_edges_as_far_as_is_stated(noise: float) -> None:
 
 
 def test_what_noise_alone_moves_does_not_speak_against_a_solid() -> None:
-    seen = changed(0.0, 60.0, USUAL_BLUR_PX).locked(solid_of(RIG, SCENE, PARTS["sphere"]))
-    assert seen.fit.residual_px > 2 * NOISE_PX > seen.off_px
+    truth = solid_of(RIG, SCENE, PARTS["sphere"])
+    much, more = (changed(0.0, noise, USUAL_BLUR_PX).locked(truth) for noise in (25.0, 60.0))
+    assert much.off_px < NOISE_PX and more.off_px < NOISE_PX
+    assert more.fit.residual_px > 2 * NOISE_PX > much.fit.residual_px > NOISE_PX
 
 
 @pytest.mark.parametrize("name", PARTS)
