@@ -20,12 +20,16 @@ def sampled(image: Image, points_px: Floats) -> Floats:
 
 
 def remapped(
-    image: NDArray[Any], points_px: Floats | NDArray[np.float32], beyond: int = cv2.BORDER_REPLICATE
+    image: NDArray[Any],
+    points_px: Floats | NDArray[np.float32],
+    beyond: int = cv2.BORDER_REPLICATE,
+    between: int = cv2.INTER_LINEAR,
 ) -> NDArray[Any]:
-    """The same (N, M) of an image (H, W) in its own type; what is beyond it as by this one of OpenCV's border types."""
+    """The same (N, M) of an image (H, W) in its own type; what is beyond it as by this one of OpenCV's border types,
+    what is between pixels by this one of its interpolations."""
     places = points_px.astype(np.float32, copy=False)
     parts = [
-        cv2.remap(image, places[first : first + _MOST], _ALL_IN_ONE, cv2.INTER_LINEAR, borderMode=beyond)
+        cv2.remap(image, places[first : first + _MOST], _ALL_IN_ONE, between, borderMode=beyond)
         for first in range(0, len(places), _MOST)
     ]
     if not parts:

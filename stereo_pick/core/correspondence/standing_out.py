@@ -8,11 +8,13 @@ nearer than the surface.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.camera import Camera
@@ -22,11 +24,13 @@ from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.sampling import remapped
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.surface import entered
 
 _SIDE_PX, _STRIDE_PX = 11, 3
+_AROUND_PX = np.indices((_SIDE_PX, _SIDE_PX)).reshape(2, -1) - _SIDE_PX // 2  # rows and columns of a window
 _PLACED_PX = 0.05  # sigma that the edges in a window promise
 _ALIKE = 0.7  # correlation
 _LEAD = 0.1  # of it, by which the best place must beat the surface, and what lies behind that
@@ -53,9 +57,9 @@ def stands_out(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -
 
 @dataclass(frozen=True, eq=False)
 class _Surface:
-    """The part (h, w) of the left view around a solid; right: the right view; columns, rows: where in that the surface
-    shows each pixel; usable: of which the windows show it and nothing else; within: which pixels of the right view
-    do; most_px: how far before it something of its size shows."""
+    """The part (h, w) of the left view around a solid, less its mean; right: the right view, less the same; columns,
+    rows: where in that the surface shows each pixel; usable: of which the windows show it and nothing else; within:
+    which pixels of the right view do; most_px: how far before it something of its size shows."""
 
     left: Grey
     right: Grey
@@ -85,7 +89,8 @@ class _Surface:
         columns, rows = there.reshape(left.shape).astype(np.float32), (row - y0).astype(np.float32)
         within = _well_within(fit, others, rig.right, (0, y0), right.shape)
         usable &= seen.reshape(left.shape) & (cv2.remap(within, columns, rows, cv2.INTER_NEAREST) > 0)
-        return _Surface(left, right, columns, rows, usable, within, _most_px(fit, rig))
+        level = left.mean()  # without which squares in single precision are exact enough
+        return _Surface(left - level, right - level, columns, rows, usable, within, _most_px(fit, rig))
 
     def unlike(self) -> Ints:
         """The windows (N, 2), column and row, that are not alike where the surface shows them."""
@@ -94,9 +99,8 @@ class _Surface:
 
     def out_px(self, places: Ints) -> Floats:
         """By how much (M,) the disparity of those of these is more than the surface's that are seen before it."""
-        x, y = places.T
         offs = np.arange(-self.most_px, self.most_px + _STEP_PX, _STEP_PX)
-        alike = np.array([self._alike(off)[y, x] for off in offs])
+        alike = np.array([self._alike_at(places, off) for off in offs])
         before = offs >= _NEAREST_PX
         if not before.any():
             return np.zeros(0)
@@ -109,14 +113,33 @@ class _Surface:
         not within the solid."""
         there = cv2.remap(self.right, self.columns - np.float32(off_px), self.rows, cv2.INTER_CUBIC)
         within = cv2.remap(self.within, self.columns - np.float32(off_px), self.rows, cv2.INTER_NEAREST)
-        size = (_SIDE_PX, _SIDE_PX)
-        level = np.float32(self.left.mean())
-        one, other = self.left - level, there - level
-        mean = [cv2.boxFilter(each, -1, size) for each in (one, other)]
-        both = cv2.boxFilter(one * other, -1, size) - mean[0] * mean[1]
-        squares = [cv2.boxFilter(each * each, -1, size) - m * m for each, m in zip((one, other), mean)]
-        alike = both / np.sqrt(np.maximum(squares[0] * squares[1], np.float32(1e-6)))
+        alike = _correlation(self.left, np.asarray(there, np.float32), _means_around)
         return np.asarray(np.where(within > 0, alike, -1), np.float32)
+
+    def _alike_at(self, places: Ints, off_px: float) -> Grey:
+        """The same (N,) of the windows at some places (N, 2), column and row."""
+        x, y = places.T
+        if len(places) * _SIDE_PX**2 > self.left.size:
+            return np.asarray(self._alike(off_px)[y, x])
+        around = y[:, None] + _AROUND_PX[0], x[:, None] + _AROUND_PX[1]
+        points = np.stack([self.columns[around] - np.float32(off_px), self.rows[around]], axis=-1)
+        there = remapped(self.right, points, cv2.BORDER_CONSTANT, cv2.INTER_CUBIC)
+        middle = points[:, _SIDE_PX**2 // 2, None]
+        within = remapped(self.within, middle, cv2.BORDER_CONSTANT, cv2.INTER_NEAREST)[:, 0]
+        alike = _correlation(self.left[around], there, lambda grey: grey.mean(axis=1))
+        return np.asarray(np.where(within > 0, alike, -1), np.float32)
+
+
+def _correlation(one: Grey, other: Grey, mean: Callable[[Grey], NDArray[Any]]) -> Grey:
+    """Of windows of one view with those of the other; mean: of each window."""
+    means = [mean(each) for each in (one, other)]
+    squares = [mean(each * each) - m * m for each, m in zip((one, other), means)]
+    both = mean(one * other) - means[0] * means[1]
+    return np.asarray(both / np.sqrt(np.maximum(squares[0] * squares[1], np.float32(1e-6))), np.float32)
+
+
+def _means_around(grey: Grey) -> Grey:
+    return np.asarray(cv2.boxFilter(grey, -1, (_SIDE_PX, _SIDE_PX)), np.float32)
 
 
 def _in_the_right_view(fit: SolidFit, rig: StereoRig, places_px: Floats) -> tuple[Bools, Floats]:
