@@ -21,6 +21,7 @@ from stereo_pick.core.objects.blob import CUT
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.open_end import has_open_end
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
@@ -71,6 +72,7 @@ def adjusted_together(
     placed = placed_surely(images, seen, exact, table, warped)
     both = [(row, each) for row, (_, each) in zip(placed, seen)]
     more = _standing_out(images, both, rest)
+    more += [row for row in _pieces(images, both, common) if row not in more]
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
     if warped is not None and not flat_parts:
         flat += _printed(warped, [(row, each) for row, each in both if row not in flat])
@@ -174,6 +176,11 @@ def _standing_out(images: Images, placed: Sequence[Seen], rest: Sequence[Row]) -
     return [
         row for row, each in placed if stands_out(images.pair, each.fit, [fit for fit in fits if fit is not each.fit])
     ]
+
+
+def _pieces(images: Images, placed: Sequence[Seen], table: Table | None) -> list[Row]:
+    """Those that go on beyond one of their ends."""
+    return [row for row, each in placed if has_open_end(each.fit.solid, images.eyes_m, images.maps, table)]
 
 
 def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:

@@ -19,6 +19,7 @@ from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
 from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.poses import ObjectPoses
+from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.table import Table
 
@@ -219,3 +220,28 @@ def test_without_a_table_what_lacks_its_creases_may_be_anywhere_within_its_thick
     poses = lying_alone(0.03, shown, creased, monkeypatch)
     assert len(poses) == 1
     assert least_m < np.sqrt(poses.covariance[0, 2, 2]) < most_m
+
+
+@pytest.mark.parametrize(("share", "refused"), [(1.0, []), (0.25, ["other_shape"])])
+def test_a_piece_that_goes_on_beyond_its_end_is_refused(
+    share: float, refused: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The end of a lying cylinder, its other 60 mm in what a lamp mirrored, was published 30 mm off."""
+    looked_for_again = together._looked_for_again
+
+    def end_of_it(*given: Any) -> tuple[list[Any], list[Any], list[Any]]:
+        found, refused, rest = looked_for_again(*given)
+        return [(row, replace(each, fit=_end_of_longest(each.fit, share))) for row, each in found], refused, rest
+
+    monkeypatch.setattr(together, "_looked_for_again", end_of_it)
+    _, matches = Steps(method=Feature()).correspond(rectified(RIG, Scene(tuple(PARTS.values()), PLACED, ambient=0.6)))
+    assert [each.reason for each in matches.refused] == refused
+    assert len(matches.left_px) == len(PARTS) - len(refused)
+
+
+def _end_of_longest(fit: SolidFit, share: float) -> SolidFit:
+    """The piece at the end of the lying part; any other is left as it is."""
+    if fit.kind != "cylinder" or fit.size_m[2] < 0.055:
+        return fit
+    away_m = (1 - share) * fit.size_m[2] / 2
+    return replace(fit, centre_m=fit.centre_m + away_m * fit.rotation[:, 2], size_m=fit.size_m * [1, 1, share])
