@@ -15,6 +15,7 @@ from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.kinds import KINDS
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.table import Table
 from stereo_pick.core.transform import Transform
 
 FROM_ABOVE = Lamp((0.0, 0.0, 1.0))
@@ -42,6 +43,12 @@ def rectified(rig: StereoRig, scene: Scene, noise_dn: float = 1.0, seed: int = 0
 
 def centre_m(rig: StereoRig, scene: Scene, part: Solid) -> Floats:
     return np.asarray(rig.left.R @ scene.left_T_table.apply(part.centre_m))
+
+
+def table_of(rig: StereoRig, left_T_table: Transform) -> Table:
+    """The plane that parts stand on, in the rectified left frame."""
+    normal = rig.left.R @ left_T_table.rotation[:, 2]
+    return Table(normal, -float(normal @ rig.left.R @ left_T_table.translation), 5e-4)
 
 
 def solid_of(

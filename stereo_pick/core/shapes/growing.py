@@ -23,7 +23,7 @@ _STEP_PX = 3.0
 _NEW_PX = 4.0  # how far a point lies outside the old silhouette to be one of the new part
 _LEAST = 0.15  # of the size of the part that was seen, and ...
 _LEAST_PX = 6.0  # ... in pixels: the shadow where an object stands has edges, too
-_FAR = 0.7  # part of the greatest such distance: the far end tells the length, the sides are there for any
+FAR = 0.7  # part of the greatest such distance: the far end tells the length, the sides are there for any
 _POINTS_TO_SEE = 12  # a twelfth of a silhouette must be new
 _LEVEL = 0.5  # sine of the angle by which an axis that lies on the table may be off
 _TOGETHER = 3  # lengths of which only the middle one is looked at first
@@ -106,7 +106,7 @@ def _shown(
     fresh = distance_px > _NEW_PX
     if occluders is not None:
         fresh &= ~occluders.hide(solids, points, side)
-    far = fresh & (distance_px > _FAR * distance_px.max(axis=1, keepdims=True))
+    far = fresh & (distance_px > FAR * distance_px.max(axis=1, keepdims=True))
     pixels, total = points * focal + view.camera.P[:2, 2], fresh.sum(axis=1)
     enough = total * _POINTS_TO_SEE >= look.points
     asked = (fresh & enough[:, None]).ravel()

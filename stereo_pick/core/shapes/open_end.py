@@ -1,4 +1,4 @@
-"""Pieces of solids: where one seems to end, nothing is seen in either view, and its sides go on.
+"""Pieces of solids: where one seems to end, little is seen in either view, and its sides go on.
 
 A disc of a long cylinder has all edges of a solid but those of one end: the share of a silhouette that shows, and the
 creases at the other end, do not tell it from a whole one.
@@ -12,7 +12,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.shapes.edge_map import EdgeMap
-from stereo_pick.core.shapes.growing import least_change_m, stretched_by, ways_along
+from stereo_pick.core.shapes.growing import FAR, least_change_m, stretched_by, ways_along
 from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.predicted import along_polygon, inside, silhouettes
 from stereo_pick.core.shapes.solids import Solids
@@ -20,7 +20,6 @@ from stereo_pick.core.shapes.table import Table
 
 _POINTS = 288  # of a silhouette: six pixels of a side are enough to tell
 _OFF_PX = 2.0  # from a silhouette, to be no part of it
-_FAR = 0.7  # part of the greatest such distance, from which on a point is no side's but the far end's
 _FEWEST = 6  # points that tell of an end, or of sides
 _GO_ON = 3 / 4  # of the sides beyond an end, in each view: by chance one point in ten lies on edges
 _SEEN = 1 / 2  # of an end, in either view
@@ -45,7 +44,7 @@ def _sides_shown(view: EdgeMap, old: Floats, new: Floats) -> Floats:
     where that is too little to tell."""
     points, normals = along_polygon(new, _POINTS)
     beyond_px = -inside(points, old[None]) * view.camera.P[0, 0]
-    sides = (beyond_px > _OFF_PX) & (beyond_px <= _FAR * beyond_px.max(axis=1, keepdims=True))
+    sides = (beyond_px > _OFF_PX) & (beyond_px <= FAR * beyond_px.max(axis=1, keepdims=True))
     return _shown(view, points, normals, sides, 0.0)
 
 

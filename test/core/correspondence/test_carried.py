@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from outlines import PARALLEL, disc
+from rendered_solids import table_of
 from rendering.rigs import table_before
 from rigs import RIGS
 
@@ -22,10 +23,8 @@ from stereo_pick.core.shapes.table import Table
 RIG = RIGS["thesis"]
 
 
-def table_of(rig: StereoRig, elevation_deg: float) -> Table:
-    placed = table_before(rig, 0.9, elevation_deg=elevation_deg)
-    normal = rig.left.R @ placed.rotation[:, 2]
-    return Table(normal, -float(normal @ rig.left.R @ placed.translation), 5e-4)
+def table_seen_from(rig: StereoRig, elevation_deg: float) -> Table:
+    return table_of(rig, table_before(rig, 0.9, elevation_deg=elevation_deg))
 
 
 def points_m(rig: StereoRig, left: Blob, right: Blob) -> Floats:
@@ -47,7 +46,7 @@ def test_it_lies_level_as_high_as_half_its_width_on_the_table(
     name: str, elevation_deg: float, radius_px: float, is_left: bool
 ) -> None:
     rig = RIGS[name]
-    table = table_of(rig, elevation_deg)
+    table = table_seen_from(rig, elevation_deg)
     foot_m = np.array([0.0, 0.0, table.offset_m / -table.normal[2]])  # where the left camera looks
     at_px = foot_m[0] * rig.focal_px / foot_m[2] + rig.left.P[:2, 2]
     away_px = rig.baseline_m * rig.focal_px / foot_m[2]
@@ -66,7 +65,7 @@ def test_it_lies_level_as_high_as_half_its_width_on_the_table(
 
 
 def test_what_both_views_show_is_not_carried() -> None:
-    assert carried(Unread("merged", disc(300, 200), disc(250, 200)), RIG, table_of(RIG, 50)) is None
+    assert carried(Unread("merged", disc(300, 200), disc(250, 200)), RIG, table_seen_from(RIG, 50)) is None
 
 
 @pytest.mark.parametrize("is_left", [True, False])
@@ -74,7 +73,7 @@ def test_where_the_other_camera_does_not_look_nothing_is_carried(is_left: bool) 
     width, height = PARALLEL.left.frame_size
     blob = disc(5.0 if is_left else width - 5.0, height / 2)
     unread = Unread("merged", blob, None) if is_left else Unread("merged", None, blob)
-    assert carried(unread, PARALLEL, table_of(PARALLEL, 50)) is None
+    assert carried(unread, PARALLEL, table_seen_from(PARALLEL, 50)) is None
 
 
 def test_what_reaches_above_the_horizon_of_the_table_is_not_carried() -> None:

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from rendered_solids import table_of
 from rendering import Box, Cylinder, HexPrism, Scene, Solid, Sphere, hex_prism_size, render
 from rigs import RIGS
 from solid_outlines import contour_px
@@ -76,8 +77,7 @@ def test_the_corrected_point_is_nearer_to_the_centre() -> None:
     truth, outlines = matched()
     plain = np.array([error_m(each, pair, None) for each, pair in zip(truth, outlines)])
     free = np.array([error_m(each, pair, fit) for each, pair, fit in zip(truth, outlines, fits())])
-    normal = RIG.left.R @ SCENE.left_T_table.rotation[:, 2]
-    standing = fits(Table(normal, -float(normal @ RIG.left.R @ SCENE.left_T_table.translation), 5e-4))
+    standing = fits(table_of(RIG, SCENE.left_T_table))
     known = np.array([error_m(each, pair, fit) for each, pair, fit in zip(truth, outlines, standing)])
     assert free.mean() < 0.6 * plain.mean() and known.mean() < 0.6 * plain.mean()
     assert free.max() < 4e-4 and known.max() < 4e-4
