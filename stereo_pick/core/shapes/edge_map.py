@@ -100,11 +100,13 @@ class EdgeMap:
         return self.noise / len(_NEIGHBOURS) ** 0.5 if self.is_noisy else self.noise
 
     def shows(self, points_px: Floats, normals: Floats, reach_px: float, asked: Bools | None = None) -> Bools:
-        """Whether there is an edge across these normals (N, 2), so near to each point (N, 2) of a closed line.
+        """Whether there is an edge across these normals (..., N, 2), so near to each point (..., N, 2) of closed lines.
 
-        asked: (N,), of which points that is asked; of all, unless given. False for the others.
+        asked: (..., N), of which points that is asked; of all, unless given. False for the others.
         """
-        asked = np.ones(len(points_px), bool) if asked is None else asked
+        lines = points_px.shape[:-1]
+        points_px, normals = points_px.reshape(-1, 2), normals.reshape(-1, 2)
+        asked = np.ones(len(points_px), bool) if asked is None else asked.ravel()
         shown = asked.copy()
         beside = np.flatnonzero(np.convolve(asked, np.ones(3), "same"))  # an edge goes on beside the point
         if len(beside):
@@ -114,7 +116,7 @@ class EdgeMap:
             across[beside] = _across(slopes, points_px[beside] - low, normals[beside], reach)
             along = cv2.blur(across, (1, 3), borderType=cv2.BORDER_REPLICATE)[asked]
             shown[asked] = np.asarray(np.abs(along).max(axis=1), np.float64) > _CLEAR * self.noise
-        return shown
+        return shown.reshape(lines)
 
     def slopes(self, points_px: Floats) -> Floats:
         """How steep grey levels are along x and y (N, M, 2) [grey levels/px] at points (N, M, 2) near each other."""

@@ -109,8 +109,7 @@ def _shown(
     far = fresh & (distance_px > FAR * distance_px.max(axis=1, keepdims=True))
     pixels, total = points * focal + view.camera.P[:2, 2], fresh.sum(axis=1)
     enough = total * _POINTS_TO_SEE >= look.points
-    asked = (fresh & enough[:, None]).ravel()
-    shown = view.shows(pixels.reshape(-1, 2), normals.reshape(-1, 2), look.reach_px, asked).reshape(fresh.shape)
+    shown = view.shows(pixels, normals, look.reach_px, fresh & enough[:, None])
     found = shown.sum(axis=1)
     ends = (shown & far).sum(axis=1) / np.maximum(far.sum(axis=1), 1)
     return np.where(enough, np.minimum(found / np.maximum(total, 1), ends), 0.0), found

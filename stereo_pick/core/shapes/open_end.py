@@ -59,6 +59,6 @@ def _end_shown(view: EdgeMap, old: Floats, new: Floats) -> Floats:
 def _shown(view: EdgeMap, points: Floats, normals: Floats, asked: Bools, unknown: float) -> Floats:
     """The part (S,) on edges of those points (S, N, 2), normalized, that are asked for (S, N)."""
     pixels = points * view.camera.P[0, 0] + view.camera.P[:2, 2]
-    shown = view.shows(pixels.reshape(-1, 2), normals.reshape(-1, 2), _REACH_PX, asked.ravel()).reshape(asked.shape)
+    shown = view.shows(pixels, normals, _REACH_PX, asked)
     count = asked.sum(axis=1)
     return np.where(count >= _FEWEST, shown.sum(axis=1) / np.maximum(count, 1), unknown)

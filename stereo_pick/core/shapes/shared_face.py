@@ -61,8 +61,8 @@ def _heights_m(outline: Outline, rig: StereoRig, table: Table) -> Floats:
 def _share(outline: Outline, heights_m: Floats, rig: StereoRig, own: int, other: EdgeMap, table: Table) -> Floats:
     """The part (K,) of a view's outline that has its edge in the other view, if it lies so high (K,) [m]."""
     points, normals = _moved(outline, heights_m, rig, own, table)
-    asked = np.tile(outline.weight > 0, len(points))
-    shown = other.shows(points.reshape(-1, 2), normals.reshape(-1, 2), _REACH_PX, asked).reshape(points.shape[:2])
+    asked = np.tile(outline.weight > 0, (len(points), 1))
+    shown = other.shows(points, normals, _REACH_PX, asked)
     return np.asarray(shown @ outline.weight / max(outline.weight.sum(), 1.0))
 
 

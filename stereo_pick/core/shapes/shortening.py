@@ -61,5 +61,5 @@ def _shown_ends(shorter: Solids, solid: Solids, eyes_m: Floats, view: EdgeMap, s
     points, normals = along_polygon(silhouettes(shorter, eye_m)[:, 0], _POINTS)
     is_new = inside(points, silhouettes(solid, eye_m)[0]) * focal_px > _WITHIN_PX
     pixels, total = points * focal_px + view.camera.P[:2, 2], is_new.sum(axis=1)
-    on_edge = view.shows(pixels.reshape(-1, 2), normals.reshape(-1, 2), _REACH_PX, is_new.ravel())
-    return np.where(total < _LEAST_POINTS, 0.0, on_edge.reshape(is_new.shape).sum(axis=1) / np.maximum(total, 1))
+    on_edge = view.shows(pixels, normals, _REACH_PX, is_new)
+    return np.where(total < _LEAST_POINTS, 0.0, on_edge.sum(axis=1) / np.maximum(total, 1))
