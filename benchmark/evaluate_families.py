@@ -2,6 +2,7 @@
 
 python benchmark/evaluate_families.py [--family NAME ...] [--seeds N] [--cache DIR] [--method feature|ssd] [--jobs N]
 python benchmark/evaluate_families.py --rivals --write docs/families.md
+python benchmark/evaluate_families.py --given-table
 python benchmark/evaluate_families.py --show FAMILY SEED OUT.png
 """
 
@@ -19,6 +20,7 @@ from family_picture import picture
 from family_report import report
 from family_rivals import RivalScore, rival_scores
 from family_scoring import SceneScore, score
+from given_table import given_table
 from processes import each, scene_parser
 from rendering.rigs import BENCH_RIGS
 
@@ -38,7 +40,8 @@ def main() -> None:
         return
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     jobs = [(family, seed) for family in options.family for seed in seeds]
-    scores = each(jobs, partial(_scored, options.method, tuple(options.param), options.cache), options.jobs)
+    score_one = partial(_scored, options.method, tuple(options.param), options.cache, options.given_table)
+    scores = each(jobs, score_one, options.jobs)
     rivals = each(jobs, partial(_rivals, options.cache), options.jobs) if options.rivals else []
     text = report(scores, [one for of_scene in rivals for one in of_scene])
     give_out(options, scores, text)
@@ -50,14 +53,16 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--method", default="feature")
     parser.add_argument("--param", action="append", default=[], metavar="NAME=VALUE", help="as of stereo-pick locate")
     parser.add_argument("--rivals", action="store_true", help="other methods on some families as well")
+    parser.add_argument("--given-table", action="store_true", help="tell the method the true table of each scene")
     ask_for_output(parser)
     return parser.parse_args()
 
 
-def _scored(method: str, param: tuple[str, ...], folder: Path | None, job: Job) -> SceneScore:
+def _scored(method: str, param: tuple[str, ...], folder: Path | None, is_given: bool, job: Job) -> SceneScore:
     family, seed = job
     rig_name, frame, truth = taken(family, seed, folder)
-    return score(family, seed, _pipeline(rig_name, method, param), frame, truth)
+    table = (given_table(BENCH_RIGS[rig_name], truth),) if is_given else ()
+    return score(family, seed, _pipeline(rig_name, method, param + table), frame, truth)
 
 
 def _rivals(folder: Path | None, job: Job) -> list[RivalScore]:

@@ -5,6 +5,7 @@ found.
 
 python benchmark/evaluate_traced.py [--family NAME ...] [--seeds N] [--param NAME=VALUE] [--cache DIR] [--jobs N]
 python benchmark/evaluate_traced.py --write docs/path_traced.md
+python benchmark/evaluate_traced.py --given-table
 python benchmark/evaluate_traced.py --show FAMILY SEED OUT.png
 """
 
@@ -22,6 +23,7 @@ from family_picture import picture
 from family_scoring import WRONG_M, SceneScore, score
 from family_tables import accuracy_table, covariance_table, detection_table, shape_table, size_table
 from formatting import markdown_table
+from given_table import given_table
 from processes import each, scene_parser
 from reliability import reliability_table
 from rendering import Truth
@@ -47,7 +49,7 @@ def main() -> None:
         return
     seeds = range(options.first_seed, options.first_seed + options.seeds)
     jobs = [(family, seed) for family in options.family for seed in seeds]
-    scores = each(jobs, partial(_scored, options.cache, tuple(options.param)), options.jobs)
+    scores = each(jobs, partial(_scored, options.cache, tuple(options.param), options.given_table), options.jobs)
     text = _report(scores)
     give_out(options, scores, text)
 
@@ -63,9 +65,10 @@ def _taken(family: str, seed: int) -> Taken:
     return scene.rig, *scene.taken()
 
 
-def _scored(folder: Path | None, param: tuple[str, ...], job: tuple[str, int]) -> SceneScore:
+def _scored(folder: Path | None, param: tuple[str, ...], is_given: bool, job: tuple[str, int]) -> SceneScore:
     rig, frame, truth = taken(folder, job)
-    return score(*job, Pipeline(rig, steps(parsed(param))), frame, truth)
+    table = (given_table(rig, truth),) if is_given else ()
+    return score(*job, Pipeline(rig, steps(parsed(param + table))), frame, truth)
 
 
 def _report(scores: Sequence[SceneScore]) -> str:
@@ -98,6 +101,7 @@ def _options() -> argparse.Namespace:
     parser = scene_parser(__doc__, default=list(TRACED), families=TRACED, seeds=6)
     parser.add_argument("--first-seed", type=int, default=0)
     parser.add_argument("--param", action="append", default=[], metavar="NAME=VALUE", help="as of stereo-pick locate")
+    parser.add_argument("--given-table", action="store_true", help="tell the method the true table of each scene")
     ask_for_output(parser)
     return parser.parse_args()
 
