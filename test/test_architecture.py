@@ -46,6 +46,7 @@ CORE_LAYERS = (
     "calibration_run",
     "objects",
     "shapes",
+    "measured_table",
     "correspondence",
     "triangulation",
     "confidence",

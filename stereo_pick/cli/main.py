@@ -18,6 +18,7 @@ from stereo_pick.cli import (
     parameters,
     replay,
     run,
+    table,
 )
 from stereo_pick.core.errors import StereoPickError
 
@@ -59,7 +60,19 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"stereo-pick {__version__}")
     subparsers = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
-    for command in (run, locate, replay, background, calibrate, board, import_bouguet, hand_eye, parameters, demo):
+    for command in (
+        run,
+        locate,
+        replay,
+        background,
+        table,
+        calibrate,
+        board,
+        import_bouguet,
+        hand_eye,
+        parameters,
+        demo,
+    ):
         command.add_parser(subparsers)
     return parser
 

@@ -82,7 +82,8 @@ class Feature(Method):
         FOUND,
         "What the objects stand on: `found` by its own grain, from the objects that are seen best, or by the shadows "
         "on it; `none` where they may stand or hang anywhere; or the plane itself, as its normal towards the cameras "
-        "and its offset, `nx ny nz d`: the points p [m] in the rectified left camera frame with n p + d = 0.",
+        "and its offset, `nx ny nz d`: the points p [m] in the rectified left camera frame with n p + d = 0; "
+        "`stereo-pick table` measures it.",
     )
     max_sigma_of_width: float = parameter(
         0.5,

@@ -49,6 +49,11 @@ class Table:
             raise ArrayError(f"the cameras would see it edge-on: the normal's z is {normal[2]:g}, at most {-EDGE_ON}")
         return Table(np.array(normal) / length, offset_m / length, _GIVEN_SIGMA_M)
 
+    @property
+    def text(self) -> str:
+        """What `parsed` reads, to a micrometre."""
+        return " ".join(f"{each:.6f}" for each in (*self.normal.tolist(), self.offset_m))
+
     def height_m(self, points_m: Floats) -> Floats:
         """How high (...) above the table points (..., 3) are."""
         return np.asarray(points_m @ self.normal + self.offset_m)
