@@ -11,6 +11,7 @@ from stereo_pick.core.correspondence.certainty import by_certainty
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.found_table import FoundTable
+from stereo_pick.core.correspondence.given_table import misplaced_m
 from stereo_pick.core.correspondence.grain import grained_table
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.method import Method
@@ -27,6 +28,7 @@ from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.focus import lens_blur_px
 from stereo_pick.core.params import parameter
+from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, common_normal
 from stereo_pick.core.shapes.common_table import stands_on
@@ -126,7 +128,11 @@ class Feature(Method):
         else:
             first, others = reader.look(blobs), reader.look(blobs.others) if blobs.others else None
         also = others.kept if others else []
-        known = self._known_table(pair, blobs, [where.fit for _, where in (*first.kept, *also) if where.fit])
+        fits = [where.fit for _, where in (*first.kept, *also) if where.fit]
+        known = self._known_table(pair, blobs, fits)
+        if known is not None and self.table != FOUND and (off_m := misplaced_m(known, fits)) is not None:
+            unread = reader.read(first, None).unread
+            return collect([], [*_off_table([*first.kept, *also], off_m), *(each.refusal for each in unread)])
         there = FoundTable(known, True) if known else None
         if there is None and self.table == FOUND:
             reach_px = self.disparities_px(pair.rig)
@@ -193,6 +199,12 @@ def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:
 def _by_area(blobs: Blobs) -> list[BlobPair]:
     left, right = blobs.sound()
     return [(left[i], right[j]) for i, j in least_area_difference(left, right)]
+
+
+def _off_table(rows: list[Row], off_m: float) -> list[Refusal]:
+    side = "above" if off_m > 0 else "below"
+    detail = f"what objects stand on is {abs(off_m) * 1000:.1f} mm {side} the table that is given: measure it again"
+    return [Refusal("off_table", left.centroid_px, right.centroid_px, detail) for (left, right), _ in rows]
 
 
 def _images(pair: RectifiedPair, blobs: Blobs) -> Images:
