@@ -9,7 +9,7 @@ python benchmark/evaluate_families.py --show FAMILY SEED OUT.png
 from __future__ import annotations
 
 import argparse
-from functools import cache, partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 import cv2
@@ -69,7 +69,7 @@ def _rivals(folder: Path | None, job: Job) -> list[RivalScore]:
     return rival_scores(*job, folder)
 
 
-@cache
+@lru_cache(maxsize=len(BENCH_RIGS))
 def _pipeline(rig_name: str, method: str, param: tuple[str, ...]) -> Pipeline:
     return Pipeline(BENCH_RIGS[rig_name], steps({"method": method, **parsed(param)}))
 

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from stereo_pick.cli.progress import progress
-from stereo_pick.cli.replay import add_reading_options, opened_source, source_rig
+from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, source_rig
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import pixels
 from stereo_pick.core.objects.background_files import save_background
@@ -34,9 +34,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "--source", type=Path, required=True, metavar="BAG_OR_FOLDER", help="a bag, or a folder of image pairs"
-    )
+    add_recording_option(parser)
     add_reading_options(parser)
     parser.add_argument("--output", type=Path, required=True, metavar="FILE", help="the .npz file to write")
     parser.set_defaults(run=run)

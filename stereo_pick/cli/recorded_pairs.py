@@ -33,7 +33,7 @@ def choose_pairs(path: Path, board: Board, left_topic: str = "", right_topic: st
     """
     source = open_source(path, left_topic=left_topic, right_topic=right_topic)
     collector = Collector(board)
-    for pair in progress(_timed(source), source.count, "pairs"):
+    for pair in progress(timed_pairs(source), source.count, "pairs"):
         collector.look(pair)
     try:
         images = collector.images()
@@ -43,7 +43,7 @@ def choose_pairs(path: Path, board: Board, left_topic: str = "", right_topic: st
     return RecordedPairs(images, summary)
 
 
-def _timed(source: StereoSource) -> Iterator[BoardImages]:
+def timed_pairs(source: StereoSource) -> Iterator[BoardImages]:
     """The pairs that are worth a look, in grey and named by their time since the first."""
     pace, start_ns = Pace(), None
     for pair in source:

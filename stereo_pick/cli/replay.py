@@ -60,6 +60,13 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
     add_positioning_options(parser)
 
 
+def add_recording_option(parser: argparse.ArgumentParser) -> None:
+    """Add --source, for commands that need something else first."""
+    parser.add_argument(
+        "--source", type=Path, required=True, metavar="BAG_OR_FOLDER", help="a bag, or a folder of image pairs"
+    )
+
+
 def add_reading_options(parser: argparse.ArgumentParser) -> None:
     """Add what says how a recording is to be read."""
     parser.add_argument(

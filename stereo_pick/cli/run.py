@@ -9,7 +9,6 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,7 @@ from stereo_pick.cli.chain import DOWNSTREAM, Chain
 from stereo_pick.cli.live_table import LiveTable, Positions
 from stereo_pick.cli.options import add_pipeline_options, pipeline_values
 from stereo_pick.cli.positioning import FILE_PARAMETERS, positioning_files
-from stereo_pick.cli.replay import add_source_options, opened_source, source_rig
+from stereo_pick.cli.replay import add_recording_option, add_source_options, opened_source, source_rig
 from stereo_pick.core.configuration import correspondence_groups, declared, triangulation_groups
 from stereo_pick.core.errors import ParameterError, SourceError
 from stereo_pick.core.params import Value
@@ -61,9 +60,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "--source", type=Path, required=True, metavar="BAG_OR_FOLDER", help="a bag, or a folder of image pairs"
-    )
+    add_recording_option(parser)
     add_source_options(parser)
     add_pipeline_options(parser)
     parser.add_argument("--rate", type=float, default=1.0, help="speed of the replay (default: as recorded)")

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import yaml
 
 from stereo_pick.cli.progress import progress
-from stereo_pick.cli.replay import add_reading_options, opened_source, source_rig
+from stereo_pick.cli.recorded_pairs import timed_pairs
+from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, source_rig
 from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.collecting import first_view
 from stereo_pick.core.calibration.detection import BoardImages
 from stereo_pick.core.calibration.views import BoardView
 from stereo_pick.core.errors import CalibrationError, ParameterError
-from stereo_pick.core.frames import grey
-from stereo_pick.core.images import pixels
+from stereo_pick.core.frames import check_size
 from stereo_pick.core.measured_table import MeasuredTable, table_under
-from stereo_pick.sources.source import StereoSource
+from stereo_pick.core.rig import StereoRig
 
 _DESCRIPTION = """\
 Find where the table lies, from a bag or a folder of image pairs that show a calibration board lying flat on it, once or
@@ -41,9 +40,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "--source", type=Path, required=True, metavar="BAG_OR_FOLDER", help="a bag, or a folder of image pairs"
-    )
+    add_recording_option(parser)
     add_reading_options(parser)
     parser.add_argument("--board", required=True, metavar="BOARD", help="the board: as at `calibrate`")
     parser.add_argument("--square", required=True, type=float, metavar="METRES", help="side of one square in metres")
@@ -59,9 +56,10 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure, print and write; raises StereoPickError on unusable input."""
+    """Measure, print and write; raises StereoPickError on unusable input, after what was measured is printed."""
     source, board = opened_source(args), parse_board(args.board, args.square)
-    rig, looks = source_rig(source, args), list(progress(_looks(source, board), source.count, "pairs"))
+    rig = source_rig(source, args)
+    looks = [_look(pair, board, rig) for pair in progress(timed_pairs(source), source.count, "pairs")]
     views = [view for view in looks if view is not None]
     if not views:
         raise CalibrationError(
@@ -71,20 +69,19 @@ def run(args: argparse.Namespace) -> int:
         measured = table_under(views, board, args.thickness, rig)
     except CalibrationError as error:
         raise CalibrationError(f"{args.source}: {error}") from None
-    print(report(measured, len(looks), board))
+    print(f"views     the board in {len(views)} of {len(looks)} pairs\n{report(measured, board)}")
     if args.output is not None:
         _write(args.output, measured)
         print(f"written   {args.output}")
     return 0
 
 
-def report(measured: MeasuredTable, looked_at: int, board: Board) -> str:
+def report(measured: MeasuredTable, board: Board) -> str:
     """The result for people, one fact a line."""
     table, tilt_deg = measured.table, np.rad2deg(measured.tilt_rad)
     from_view_deg = np.rad2deg(np.arccos(-table.normal[2]))
     return "\n".join(
         [
-            f"views     the board in {measured.views} of {looked_at} pairs",
             f"squares   {measured.square_m * 1000:.3f} mm as measured, {board.square_m * 1000:g} mm as given",
             f"flat      corners {measured.rms_m * 1000:.2f} mm rms from one plane",
             f"table     {table.offset_m * 1000:.1f} mm from the left camera, its normal {from_view_deg:.2f} deg "
@@ -94,10 +91,11 @@ def report(measured: MeasuredTable, looked_at: int, board: Board) -> str:
     )
 
 
-def _looks(source: StereoSource, board: Board) -> Iterator[BoardView | None]:
-    for number, pair in enumerate(source, start=1):
-        left, right = grey(pixels(pair.left, what="left image")), grey(pixels(pair.right, what="right image"))
-        yield first_view(BoardImages(f"pair {number}", "left image", "right image", left, right), board)
+def _look(pair: BoardImages, board: Board, rig: StereoRig) -> BoardView | None:
+    """The board as a pair shows it, or None; raises ImageError where that is not of the calibration's size."""
+    check_size(pair.left_name, pair.left, rig.left.frame_size)
+    check_size(pair.right_name, pair.right, rig.right.frame_size)
+    return first_view(pair, board)
 
 
 def _write(path: Path, measured: MeasuredTable) -> None:

@@ -10,10 +10,10 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.views import BoardView
-from stereo_pick.core.errors import ArrayError, CalibrationError
+from stereo_pick.core.errors import ArrayError, CalibrationError, ParameterError
 from stereo_pick.core.rays import closest_points
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.table import Table
+from stereo_pick.core.shapes.table import TILT_RAD, Table
 
 _THICKEST_M = 0.1
 _ROWS_APART_PX = 1.5  # as far as outlines of one object may be: `feature.epipolar_tolerance_px`
@@ -24,11 +24,10 @@ _NOISE = 3.0
 
 @dataclass(frozen=True, eq=False)
 class MeasuredTable:
-    """table: in the rectified left frame; views: of how many pairs; rms_m: distance of the corners from one plane [m];
-    tilt_rad: one sigma of its tilt by their noise; square_m: the side of a square as the rig measures it [m]."""
+    """table: in the rectified left frame; rms_m: distance of the corners from one plane [m]; tilt_rad: one sigma of its
+    tilt by their noise; square_m: the side of a square as the rig measures it [m]."""
 
     table: Table
-    views: int
     rms_m: float
     tilt_rad: float
     square_m: float
@@ -37,25 +36,27 @@ class MeasuredTable:
 def table_under(views: Sequence[BoardView], board: Board, thickness_m: float, rig: StereoRig) -> MeasuredTable:
     """The plane that a board of this thickness [m] lies on in all views.
 
-    Raises CalibrationError where the board does not lie on one plane, where the views do not fit the rig, and where the
-    cameras see the table from below or edge-on.
+    Raises ParameterError where no board is so thick, CalibrationError where the board does not lie on one plane, where
+    the views do not fit the rig, or show too little, and where the cameras see the table from below or edge-on.
     """
     if not 0 <= thickness_m <= _THICKEST_M:
-        raise CalibrationError(
+        raise ParameterError(
             f"thickness = {thickness_m:g} m must be between 0 and {_THICKEST_M:g} m: that of the board, in metres"
         )
-    corners = [_corners_m(view.in_both(), rig) for view in views]
+    views = [view.in_both() for view in views]
+    corners = [_corners_m(view, rig) for view in views]
     square_m = _checked_square_m(views, corners, board)
-    normal, rms_m = _common_plane(views, corners)
     points = np.concatenate(corners)
-    spread_m = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)[1]
-    return MeasuredTable(
-        _checked(Table(normal, thickness_m - float(normal @ points.mean(axis=0)), rms_m)),
-        len(views),
-        rms_m,
-        rms_m / float(spread_m),
-        square_m,
-    )
+    middle, normal, spread_m = _plane(points)
+    _check_common([view.name for view in views], corners, middle, normal)
+    rms_m = _rms((points - middle) @ normal)
+    if not rms_m < TILT_RAD * spread_m:
+        raise CalibrationError(
+            f"the {len(points)} corners that both cameras see lie too close to one line to tell how the table is "
+            "tilted: show more of the board"
+        )
+    table = Table(normal, thickness_m - float(normal @ middle), rms_m)
+    return MeasuredTable(_checked(table), rms_m, rms_m / spread_m, square_m)
 
 
 def _corners_m(view: BoardView, rig: StereoRig) -> Floats:
@@ -73,7 +74,7 @@ def _corners_m(view: BoardView, rig: StereoRig) -> Floats:
 
 def _checked_square_m(views: Sequence[BoardView], corners: Sequence[Floats], board: Board) -> float:
     """The side of a square as the rig measures it; raises CalibrationError where that is another board's."""
-    ratio = float(np.mean([_scale(view.in_both(), points, board) for view, points in zip(views, corners, strict=True)]))
+    ratio = float(np.mean([_scale(view, points, board) for view, points in zip(views, corners, strict=True)]))
     square_m = ratio * board.square_m
     if abs(ratio - 1) > _WRONG_SCALE:
         raise CalibrationError(
@@ -90,25 +91,25 @@ def _scale(view: BoardView, corners: Floats, board: Board) -> float:
     return float(seen / known)
 
 
-def _common_plane(views: Sequence[BoardView], corners: Sequence[Floats]) -> tuple[Floats, float]:
-    """The normal (3,), towards the cameras, of the plane on which the board lies in all views, and how far from it
-    corners are."""
-    points = np.concatenate(corners)
-    normal, middle = _normal(points), points.mean(axis=0)
+def _check_common(names: Sequence[str], corners: Sequence[Floats], middle: Floats, normal: Floats) -> None:
+    """Raise CalibrationError where the board is not on the plane through a middle (3,) in all views."""
     rms_m = [_rms((each - middle) @ normal) for each in corners]
-    own_m = _rms(np.concatenate([(each - each.mean(axis=0)) @ _normal(each) for each in corners]))
+    own_m = _rms(np.concatenate([(each - mean) @ own for each in corners for mean, own, _ in (_plane(each),)]))
     worst = int(np.argmax(rms_m))
     if rms_m[worst] > _NOISE * own_m + _FLAT_M:
         raise CalibrationError(
-            f"{views[worst].name}: the board is {rms_m[worst] * 1000:.1f} mm off the plane that all views have in "
+            f"{names[worst]}: the board is {rms_m[worst] * 1000:.1f} mm off the plane that all views have in "
             "common: lay it on the table, flat, in each of them"
         )
-    return normal, _rms((points - middle) @ normal)
 
 
-def _normal(points: Floats) -> Floats:
-    normal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
-    return np.asarray(-normal if normal @ points.mean(axis=0) > 0 else normal)
+def _plane(points: Floats) -> tuple[Floats, Floats, float]:
+    """The middle (3,) of points (N, 3), the normal (3,) of their plane, towards the cameras, and how far they are
+    spread along the lesser of its two directions: the root of the sum of squares [m]."""
+    middle = points.mean(axis=0)
+    _, spread_m, axes = np.linalg.svd(points - middle, full_matrices=False)
+    normal = axes[2]
+    return middle, np.asarray(-normal if normal @ middle > 0 else normal), float(spread_m[1])
 
 
 def _rms(distances: Floats) -> float:

@@ -61,8 +61,11 @@ def test_the_parameter_is_the_table(folder: Path, capsys: pytest.CaptureFixture[
     np.testing.assert_allclose(Table.parsed(text).height_m(under @ RIG.left.R.T), 0, atol=5e-4)
 
 
-def test_no_board_and_no_folder_are_said(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_board_another_size_and_no_folder_are_said(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert measure(folder, source="empty") == 1
     assert "no chessboard of 7x5 inner corners found in both images of any of 1 pairs" in capsys.readouterr().err
+    write_images(folder / "small", [(GREY[::2, ::2], GREY[::2, ::2])])
+    assert measure(folder, source="small") == 1
+    assert "160 x 120" in capsys.readouterr().err
     assert measure(folder, "--output", str(folder / "nowhere" / "table.yaml")) == 1
     assert "table.yaml cannot be written" in capsys.readouterr().err

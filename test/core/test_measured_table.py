@@ -11,7 +11,7 @@ from simulated_views import BOARD, RIG, rotation
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.views import BoardView
-from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.errors import CalibrationError, ParameterError
 from stereo_pick.core.measured_table import MeasuredTable, table_under
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.table import Table
@@ -48,7 +48,7 @@ def heights_m(table: Table) -> Floats:
 def test_the_table_is_where_it_is(count: int) -> None:
     found = measured([view(number, lying(*place)) for number, place in enumerate(PLACES[:count])])
     np.testing.assert_allclose(heights_m(found.table), 0, atol=2e-6)  # the text ends at a micrometre
-    assert found.views == count and found.square_m == pytest.approx(BOARD.square_m, abs=1e-6)
+    assert found.square_m == pytest.approx(BOARD.square_m, abs=1e-6)
     assert found.table.normal[2] < 0 and Table.parsed(found.table.text).text == found.table.text
 
 
@@ -85,5 +85,13 @@ def test_exchanged_images_and_a_camera_that_has_turned_are_errors() -> None:
 
 @pytest.mark.parametrize("thickness_m", [-0.001, 3.0, float("nan")])
 def test_a_thickness_that_no_board_has(thickness_m: float) -> None:
-    with pytest.raises(CalibrationError, match="thickness"):
+    with pytest.raises(ParameterError, match="thickness"):
         measured([view(0, lying(*PLACES[0]))], thickness_m=thickness_m)
+
+
+@pytest.mark.parametrize("noise_px", [0.0, 0.1])
+def test_corners_on_one_line_tell_no_plane(noise_px: float) -> None:
+    whole = view(0, lying(*PLACES[0]), noise_px)
+    row = np.arange(BOARD.columns)
+    with pytest.raises(CalibrationError, match="8 corners that both cameras see lie too close to one line"):
+        measured([BoardView("pair 0", whole.left_px[row], whole.right_px[row], row, row)])

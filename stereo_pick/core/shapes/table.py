@@ -13,7 +13,7 @@ from stereo_pick.core.shapes.solids import Solids
 
 FOUND, NONE = "found", "none"
 _GIVEN_SIGMA_M = 0.001
-_TILT_RAD = float(np.deg2rad(0.5))
+TILT_RAD = float(np.deg2rad(0.5))  # sigma, as long as nothing else is known of it
 _UNIT = 1e-2
 EDGE_ON = 0.1  # sine of the angle at which a table is hardly seen
 
@@ -28,7 +28,7 @@ class Table:
     normal: Floats
     offset_m: float
     sigma_m: float
-    tilt_rad: float = _TILT_RAD
+    tilt_rad: float = TILT_RAD
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "normal", floats("normal", self.normal, 3))
