@@ -242,6 +242,7 @@ def check_messages(
     assert [cube.pose for cube in cubes] == list(array.poses)
 
 
+@pytest.mark.parametrize("nodes", ["four processes"], indirect=True)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_real_rig_gives_the_numbers_of_locate(
     nodes: Nodes,

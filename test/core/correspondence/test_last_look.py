@@ -26,7 +26,7 @@ NORMAL = RIG.left.R @ PLACED.rotation[:, 2]
 TABLE = Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation), 5e-4)
 
 A_PART_IS_LIT = [("glossy", 146, 4), ("bright_and_dark", 150, 0)]
-MERGED_WITH_A_SHADOW = [("dark_on_light", 146, 0), ("dark_on_light", 151, 2), ("planks_and_prints", 158, 1)]
+MERGED_WITH_A_SHADOW = [("dark_on_light", 151, 2), ("planks_and_prints", 158, 1)]
 REFUSED_BY_NOW = pytest.mark.xfail(reason="found until guesses were ranked by how exactly edges lie", strict=True)
 LIES_AMONG_ITS_SHADOWS = [
     ("bright_and_dark", 150, 1),
@@ -34,17 +34,12 @@ LIES_AMONG_ITS_SHADOWS = [
     ("tubes", 19, 1),
 ]
 ITS_TOP_SEEMED_FLAT = [("glossy", 9, 2)]
-SEEMED_TO_HANG = [("glossy", 203, 3), ("bright_and_dark", 212, 0)]
-THE_VIEWS_SHOW_DIFFERENT_PIECES = [
-    ("occluded", 240, 1),
-    ("occluded", 251, 2),
-    ("occluded", 257, 1),
-    ("elevation_30_to_90", 5, 5),
-]
+SEEMED_TO_HANG = [("bright_and_dark", 212, 0)]
+THE_VIEWS_SHOW_DIFFERENT_PIECES = [("occluded", 240, 1), ("elevation_30_to_90", 5, 5)]
 ITS_ENDS_ARE_AS_BRIGHT_AS_ITS_SIDE = [("occluded", 255, 0), ("occluded", 279, 0)]
 AS_ROUGH_AS_THE_OTHERS = [("many_small", 1, 8), ("table_edge", 17, 3)]
-IT_RISES_FROM_A_PRINT = [("planks_and_prints", 2, 0), ("planks_and_prints", 9, 1), ("planks_and_prints", 16, 0)]
-HALF_OF_IT_SHOWS = [("light_differences", 209, 1), ("glossy", 207, 4), ("glossy", 206, 2)]
+IT_RISES_FROM_A_PRINT = [("planks_and_prints", 16, 0)]
+HALF_OF_IT_SHOWS = [("light_differences", 209, 1), ("glossy", 206, 2)]
 
 
 @pytest.mark.parametrize(
