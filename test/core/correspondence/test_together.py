@@ -36,7 +36,7 @@ def test_a_lying_cylinder_in_its_shadow_is_no_box() -> None:
     assert max(each.distance_m for each in found("dark_on_light", 9).found) < 2e-3
 
 
-@pytest.mark.parametrize(("family", "seed"), [("tubes", 6), ("tubes", 12), ("tubes", 205)])
+@pytest.mark.parametrize(("family", "seed"), [("tubes", 12), ("tubes", 205)])
 def test_what_has_not_the_creases_of_a_prism_or_lies_off_its_edges_is_refused(family: str, seed: int) -> None:
     """These were 7 to 11 mm off; the last one a box as which a tube and its shadow were seen."""
     result = found(family, seed)
