@@ -338,18 +338,13 @@ BAD_CALIBRATIONS: dict[str, tuple[Callable[[Path], Path], list[str]]] = {
 
 
 @pytest.mark.parametrize("case", BAD_CALIBRATIONS)
-def test_a_calibration_that_cannot_be_is_refused_by_every_command(case: str, good: Good, tmp_path: Path) -> None:
-    make, parts = BAD_CALIBRATIONS[case]
-    refused_by_every_command(good, make(tmp_path / "rig"), parts)
-
-
-@pytest.mark.parametrize("case", ["in millimetres", "NaN", "absent"])
-def test_a_calibration_that_cannot_be_is_refused_by_the_node(
+def test_a_calibration_that_cannot_be_is_refused_by_every_command_and_by_the_node(
     case: str, good: Good, tmp_path: Path, system: System
 ) -> None:
     make, parts = BAD_CALIBRATIONS[case]
     rig = make(tmp_path / "rig")
     capture = system.start_node("capture", {"source": good.bag, "calibration": rig})
+    refused_by_every_command(good, rig, parts)
     assert capture.wait() == 1
     (told,) = capture.output.splitlines()
     the_line(told, [str(rig), *parts])

@@ -85,6 +85,9 @@ class _Fit:
         wide = _sample(one, points_px[:, 0, None, None].astype(np.float32) + self.i, self.rows)
         self.a, self.gradient_a = wide[..., 1:-1], _slope(wide)
         self.free_gain = free_gain
+        if free_gain:
+            self.a = self.a - _mean(self.a)
+            self.power = _mean(self.a * self.a)
         self.state = np.zeros((len(points_px), 3))
         self.state[:, 0] = columns_px
 
@@ -114,13 +117,13 @@ class _System:
         wide = _sample(fit.other, column + i * (1 + along) + j * across, fit.rows[some])
         b = wide[..., 1:-1]
         if fit.free_gain:
-            a, b = a - _mean(a), b - _mean(b)
-            gain = np.clip(np.sqrt((_mean(a * a) + _TINY) / (_mean(b * b) + _TINY)), 1 / 3, 3)
+            b = b - _mean(b)
+            gain = np.clip(np.sqrt((fit.power[some] + _TINY) / (_mean(b * b) + _TINY)), 1 / 3, 3)
             b = b * gain
         else:
             gain = np.ones((len(a), 1, 1), np.float32)
-        gradients = fit.gradient_a[some] / (1 + along), _slope(wide) * gain / (1 + along)
-        gradient = (gradients[0] + gradients[1]) / 2
+        self.gradients = fit.gradient_a[some] / (1 + along), _slope(wide) * gain / (1 + along)
+        gradient = (self.gradients[0] + self.gradients[1]) / 2
         unknowns = [gradient, gradient * i[..., 1:-1], gradient * j]
         sigmas = [np.inf, _SLANT_SIGMA, _SLANT_SIGMA]
         if fit.free_gain:
@@ -128,8 +131,7 @@ class _System:
             sigmas += [_GAIN_SIGMA, _OFFSET_SIGMA_DN]
         self.jacobian = np.stack([each.reshape(len(a), -1) for each in unknowns], axis=1)
         self.misfit = (a - b).reshape(len(a), -1)
-        self.variation = (a - _mean(a)).reshape(len(a), -1)
-        self.noise_share = ((gradients[0] - gradients[1]) ** 2).sum(axis=(1, 2)) / 4
+        self.a = a
         variance = (self.misfit**2).mean(axis=1)
         prior = variance[:, None] / np.square(sigmas) + _TINY
         self.normal = (self.jacobian @ self.jacobian.transpose(0, 2, 1)).astype(np.float64)
@@ -151,10 +153,12 @@ class _System:
         count, samples = self.jacobian.shape[1:]
         left = self.misfit - np.einsum("nps,np->ns", self.jacobian, self.solution)
         squares = (left**2).sum(axis=1).astype(np.float64)
-        information = 1 / np.linalg.inv(self.normal)[:, 0, 0] - self.noise_share
+        noise_share = ((self.gradients[0] - self.gradients[1]) ** 2).sum(axis=(1, 2)) / 4
+        information = 1 / np.linalg.inv(self.normal)[:, 0, 0] - noise_share
         variance = squares / (samples - count)
         sigma_px = np.sqrt(np.divide(variance, information, out=np.full_like(variance, np.inf), where=information > 0))
-        return sigma_px, 1 - squares / ((self.variation**2).sum(axis=1) + _TINY)
+        variation = (self.a - _mean(self.a)).reshape(len(self.a), -1)
+        return sigma_px, 1 - squares / ((variation**2).sum(axis=1) + _TINY)
 
 
 def _mean(windows: Grey) -> Grey:
