@@ -14,6 +14,7 @@ from types import TracebackType
 
 from stereo_pick.core.errors import SourceError
 from stereo_pick.core.params import Value
+from stereo_pick.ros.started_by import ending_with_this_process
 
 DOWNSTREAM = ("triangulation", "correspondence", "rectification")
 _STOP_S = 10.0
@@ -23,7 +24,7 @@ class Chain:
     """The processes of the nodes; as a context manager it ends them all, whatever happens."""
 
     def __init__(self, environment: Mapping[str, str] | None = None) -> None:
-        self._environment = {**os.environ, **(environment or {})}
+        self._environment = {**os.environ, **(environment or {}), **ending_with_this_process()}
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._logs = tempfile.TemporaryDirectory(prefix="stereo_pick_")
 

@@ -17,6 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.ros.node import StepNode
+from stereo_pick.ros.started_by import is_orphaned
 
 _SPIN_S = 0.1
 _PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
@@ -79,7 +80,7 @@ def _spin(nodes: Sequence[StepNode], context: Context, stop: threading.Event) ->
     executor = SingleThreadedExecutor(context=context)
     for node in nodes:
         executor.add_node(node)
-    while not stop.is_set() and not any(node.finished for node in nodes):
+    while not stop.is_set() and not is_orphaned() and not any(node.finished for node in nodes):
         executor.spin_once(timeout_sec=_SPIN_S)
     for node in nodes:
         executor.remove_node(node)

@@ -179,7 +179,10 @@ def test_run_shows_every_pair_and_ends_with_the_recording(
     assert child.output.splitlines()[-1] == f"{COUNT} pose arrays received for {COUNT} pairs"
 
 
-@pytest.mark.parametrize(("number", "more"), [(signal.SIGTERM, ["--one-process"]), (signal.SIGINT, [])])
+@pytest.mark.parametrize(
+    ("number", "more"),
+    [(signal.SIGTERM, ["--one-process"]), (signal.SIGHUP, ["--one-process"]), (signal.SIGINT, [])],
+)
 def test_run_loops_until_a_signal_and_leaves_no_process(
     bag: Path, offline: list[dict[str, Any]], system: System, number: signal.Signals, more: list[str]
 ) -> None:
@@ -192,6 +195,13 @@ def test_run_loops_until_a_signal_and_leaves_no_process(
     assert re.search(r"^\d+ pose arrays received$", child.output.splitlines()[-1])
     assert "rror" not in child.output
     assert processes_in(system.domain) == []
+
+
+def test_nodes_end_when_what_started_them_was_killed(bag: Path, system: System) -> None:
+    child = system.start_command("run", "--source", str(bag), "--rate", "0.5", "--loop", "--one-process")
+    system.graph.wait(lambda: shown(child.output), f"poses: {child.output}")
+    child.end(signal.SIGKILL)
+    system.graph.wait(lambda: not processes_in(system.domain), "end of all nodes")
 
 
 def processes_in(domain: int) -> list[str]:
