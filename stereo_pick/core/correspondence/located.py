@@ -116,15 +116,7 @@ def _readings(blobs: BlobPair, outlines: Pair) -> list[Pair]:
     """The outlines trusted as far as usual, where their edges are surely sharp only, and where they are in no notch:
     what is lit of a body may have one, its silhouette has none. What of it can be fitted, each once."""
     several = [outlines, trusted_outlines(blobs, _SURELY_SHARP), convex_outlines(blobs)]
-    different: list[Pair] = []
-    for pair in several:
-        if not any(_is_the_same(pair, other) for other in different) and can_be_fitted(pair):
-            different.append(pair)
-    return different
-
-
-def _is_the_same(one: Pair, other: Pair) -> bool:
-    return all(np.array_equal(a.weight, b.weight) for a, b in zip(one, other))
+    return [pair for pair in dict.fromkeys(several) if can_be_fitted(pair)]
 
 
 def trusted_outlines(blobs: BlobPair, sharp: float, *, convex: bool = False) -> Pair:

@@ -61,7 +61,7 @@ def grown(
     if not ways:
         return None
     old = silhouettes(solid, eyes_m)[0]
-    lengths_m = _lengths_m(solid, views[0].camera.P[0, 0])
+    lengths_m = _lengths_m(solid, views[0])
     few = stretched_by(solid, ways, lengths_m[_TOGETHER // 2 :: _TOGETHER])
     share, _ = _shown(few, old, eyes_m, views, 0, _FEW, occluders)
     likely = np.repeat((share >= _FEW.enough).reshape(-1, len(lengths_m) // _TOGETHER), _TOGETHER, axis=1)
@@ -126,11 +126,13 @@ def least_change_m(solid: Solids, m_per_px: float) -> float:
     return max(_LEAST * 2 * float(solid.half_m.max()), _LEAST_PX * m_per_px)
 
 
-def _lengths_m(solid: Solids, focal_px: float) -> Floats:
-    """By how much a solid may be longer, in steps of some pixels: a multiple of those looked at together."""
-    m_per_px = float(solid.centre_m[0, 2]) / focal_px
+def _lengths_m(solid: Solids, view: EdgeMap) -> Floats:
+    """By how much a solid may be longer, in steps of some pixels: a multiple of those looked at together, and no more
+    than what a view can show at the solid's distance."""
+    m_per_px = float(solid.centre_m[0, 2]) / view.camera.P[0, 0]
     step_m, least_m = _STEP_PX * m_per_px, least_change_m(solid, m_per_px)
-    farthest_m = max(_FARTHEST * 2 * float(solid.half_m.max()), 4 * step_m)
+    shown_m = float(np.hypot(*view.image.shape)) * m_per_px
+    farthest_m = max(min(_FARTHEST * 2 * float(solid.half_m.max()), shown_m), 4 * step_m)
     groups = max(np.ceil((farthest_m - least_m) / (step_m * _TOGETHER)), 1)
     return np.asarray(least_m + step_m * np.arange(1, groups * _TOGETHER + 1))
 

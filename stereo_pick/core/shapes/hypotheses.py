@@ -130,7 +130,7 @@ class Images:
 
     def search(self, pairs: Sequence[Pair], kind: Kind) -> None:
         """Search for the solids of a kind that are nearest to several objects' outlines, at once."""
-        new = [pair for pair in pairs if (pair, kind) not in self.nearest]
+        new = [pair for pair in dict.fromkeys(pairs) if (pair, kind) not in self.nearest]
         if new:
             self.nearest.update(nearest_of_kind(new, self.rig, kind))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -30,7 +30,8 @@ class Outline:
 
     points_px: (N, 2) in a rectified view; normals: (N, 2), unit, outward; weight: (N,), 1 where the point shows
     the object's edge, 0 where something else ends it there; corner: (N,), 1 where the outline turns sharply: what
-    a corner tells is roughly right, but blur and smoothing round it.
+    a corner tells is roughly right, but blur and smoothing round it. Outlines of the same points and weights are
+    equal: the same object may be cut out in several ways, and is searched for once.
     """
 
     points_px: Floats
@@ -47,6 +48,16 @@ class Outline:
             ("corner", (count,)),
         ):
             object.__setattr__(self, name, floats(name, getattr(self, name), *shape))
+
+    @cached_property
+    def _told(self) -> bytes:
+        return self.points_px.tobytes() + self.weight.tobytes()
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Outline) and self._told == other._told
+
+    def __hash__(self) -> int:
+        return hash(self._told)
 
     @staticmethod
     def from_contour(contour_px: Floats, trusted: Bools | None = None, points: int = POINTS) -> Outline:
