@@ -186,7 +186,9 @@ def test_run_shows_every_pair_and_ends_with_the_recording(
 def test_run_loops_until_a_signal_and_leaves_no_process(
     bag: Path, offline: list[dict[str, Any]], system: System, number: signal.Signals, more: list[str]
 ) -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup the command would take none, and rightly so
     child = system.start_command("run", "--source", str(bag), "--rate", "0.5", "--loop", *more)
+    signal.signal(signal.SIGHUP, before)
     system.graph.wait(lambda: len(shown(child.output)) > COUNT, f"more than one round: {child.output}")
     status, seconds = child.end(number)
     assert status == 0, child.output
