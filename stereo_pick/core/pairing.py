@@ -11,6 +11,10 @@ from stereo_pick.core.errors import ParameterError
 T = TypeVar("T")
 Side = Literal["left", "right"]
 
+NOT_STAMPED = (
+    "images have the stamp 0: the driver does not set header.stamp, and nothing else tells which left and right image "
+    "belong together; let it set the time of exposure"
+)
 _NS_PER_S = 1_000_000_000
 
 

@@ -16,6 +16,7 @@ from stereo_pick.core.transform import Transform
 
 MIN_BASELINE_M = 0.001
 MAX_BASELINE_M = 5.0
+_SAME_FOCAL = 1e-4  # relative: files round
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +88,8 @@ class StereoRig:
 def extrinsics(left: Camera, right: Camera) -> Transform:
     """`right_T_left` [m] of two camera_info: R turns both into the rectified frame, P[:,3] / f is the shift there.
 
-    Raises CalibrationError where P[0,3], of the wrong camera or positive, puts the right camera left of the left one.
+    Raises CalibrationError where P[0,3], of the wrong camera or positive, puts the right camera left of the left one,
+    or where the focal lengths of the two P differ: one of them is wrong, and all distances would be.
     """
     if left.P[0, 3] != 0 and right.P[0, 3] == 0:
         raise CalibrationError(
@@ -99,6 +101,12 @@ def extrinsics(left: Camera, right: Camera) -> Transform:
         raise CalibrationError(
             f"baseline -P[0,3] / fx of the right camera = {-shift[0]:.4f} m is negative: left and right are swapped; "
             "exchange the two cameras, or calibrate again"
+        )
+    focal_px = np.array([left.P[0, 0], left.P[1, 1], right.P[0, 0], right.P[1, 1]])
+    if not np.allclose(focal_px[:2], focal_px[2:], rtol=_SAME_FOCAL):
+        raise CalibrationError(
+            "P of the two cameras have different focal lengths: fx {:.3f} and {:.3f}, fy {:.3f} and {:.3f}: they are "
+            "not of one stereo rectification; calibrate the cameras as a stereo pair".format(*focal_px[[0, 2, 1, 3]])
         )
     # A file's rounded R is no rotation to the last digit: made one here, the rig survives its own camera_info.
     U, _, Vt = np.linalg.svd(right.R.T @ left.R)

@@ -9,8 +9,9 @@ from functools import partial
 from sensor_msgs.msg import Image
 
 from stereo_pick.core.arrays import Image as Pixels
+from stereo_pick.core.errors import ImageError
 from stereo_pick.core.images import pixels
-from stereo_pick.core.pairing import Pair, PairingCounts, Side, StampPairer
+from stereo_pick.core.pairing import NOT_STAMPED, Pair, PairingCounts, Side, StampPairer
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
 from stereo_pick.ros.messages.images import buffer_of
@@ -107,6 +108,8 @@ class RawPairs:
         self._last_ns[side] = self._now_ns()
         self._first_ns = self._first_ns or self._last_ns[side]
         taken_ns = stamp_ns(message.header.stamp)
+        if taken_ns == 0:
+            raise ImageError(f"{self._node.resolve_topic_name(IMAGE_RAW[side].name)}: {NOT_STAMPED}")
         if taken_ns < self._last_stamp_ns.get(side, taken_ns):  # a replay that starts over: nothing old pairs any more
             self._pairer.flush()
             self._last_stamp_ns.clear()

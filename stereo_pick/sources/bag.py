@@ -13,7 +13,7 @@ from rosbags.interfaces import TopicInfo
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ParameterError, SourceError
 from stereo_pick.core.images import ImageBuffer, decode_compressed, encode
-from stereo_pick.core.pairing import Pair, Side, StampPairer
+from stereo_pick.core.pairing import NOT_STAMPED, Pair, Side, StampPairer
 from stereo_pick.sources.bag_reader import Recorded, messages, opened
 from stereo_pick.sources.bag_topics import COMPRESSED_TYPE, camera_info_topic, choose_topics
 from stereo_pick.sources.source import SourcePair
@@ -74,7 +74,7 @@ class BagSource:
     def __iter__(self) -> Iterator[SourcePair]:
         """Yield the pairs; what was recorded before a damage comes before its error.
 
-        Raises SourceError where the bag is damaged or nothing pairs (with the reason),
+        Raises SourceError where the bag is damaged, its images are not stamped or nothing pairs (with the reason),
         ImageError on a compressed image that cannot be decoded.
         """
         pairer: StampPairer[Recorded] = StampPairer(round(self.max_stamp_offset_s * 1e9))
@@ -83,6 +83,8 @@ class BagSource:
             try:
                 for recorded in messages(self.path, reader, self.left_topic, self.right_topic):
                     side: Side = "left" if recorded.topic == self.left_topic else "right"
+                    if recorded.stamp_ns == 0:
+                        raise SourceError(f"{self.path}: {recorded.topic}: {NOT_STAMPED}")
                     yield from map(_source_pair, pairer.add(side, recorded.stamp_ns, recorded))
             except SourceError as error:
                 damage = error

@@ -110,10 +110,19 @@ def test_cameras_one_above_the_other_are_no_swapped_ones() -> None:
         assert rig_of((-0.01, height_m, 0.0)).baseline_m == pytest.approx(0.2, rel=0.01)
 
 
+@pytest.mark.parametrize("factor", [0.5, 0.99, 1.001])
+def test_projections_of_different_focal_lengths_are_refused_with_both(factor: float) -> None:
+    rig = RIGS["parallel"]
+    P = rig.right.P.copy()
+    P[[0, 1], [0, 1]] *= factor
+    with pytest.raises(CalibrationError, match=f"fx {rig.focal_px:.3f} and {factor * rig.focal_px:.3f}"):
+        StereoRig.from_cameras(rig.left, replace(rig.right, P=P))
+
+
 @pytest.mark.parametrize(("row", "column", "value"), [(1, 1, 701.0), (1, 2, 250.0), (1, 3, 20.0)])
 def test_projections_that_share_no_rows_are_refused(row: int, column: int, value: float) -> None:
     rig = RIGS["parallel"]
     P = rig.right.P.copy()
     P[row, column] = value
-    with pytest.raises(CalibrationError, match="do not share their rows"):
+    with pytest.raises(CalibrationError, match="do not share their rows|different focal lengths"):
         StereoRig(rig.left, replace(rig.right, P=P))

@@ -4,7 +4,7 @@ import re
 import sqlite3
 import tracemalloc
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -358,6 +358,13 @@ def test_images_that_are_near_in_time_pair_and_others_are_explained(tmp_path: Pa
     assert f"{LEFT} and {RIGHT}" in one_line(error)
     assert "differ by 16 ms, more than max_stamp_offset_s = 0.01: are the cameras synchronised?" in one_line(error)
     assert len(list(open_source(path, max_stamp_offset_s=0.0161))) == 5
+
+
+def test_images_without_stamps_are_no_pairs(tmp_path: Path, write: Any) -> None:
+    unstamped = [replace(each, stamp_ns=0, log_ns=each.time) for each in stereo(4)]
+    del unstamped[3]  # from here on each left image would pair with the right one of the next moment
+    with pytest.raises(SourceError, match=f"{LEFT}: images have the stamp 0: the driver does not set header.stamp"):
+        list(open_source(write(tmp_path / "bag", unstamped)))
 
 
 @pytest.mark.parametrize("offset_s", [-0.001, float("nan"), float("inf")])

@@ -193,9 +193,11 @@ def load_opencv(path: Path) -> StereoRig:
 def _rig_from_storage(storage: cv2.FileStorage) -> StereoRig:
     def matrix(name: str, *shape: int | None) -> Floats:
         node = storage.getNode(name)
-        value = None if node.empty() else node.mat()
-        if value is None:
+        if node.empty():
             raise CalibrationError(f"matrix {name!r} is missing; needed are K1 D1 K2 D2 R T")
+        if not node.isMap():
+            raise CalibrationError(f"matrix {name!r} is damaged: the file may be cut short; copy it again")
+        value = node.mat()
         if shape == (None,):
             value = value.ravel()
         return floats(name, value, *shape)

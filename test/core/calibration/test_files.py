@@ -109,6 +109,15 @@ def test_a_bad_opencv_file_is_refused_with_the_file_and_the_field(
         load_opencv(path)
 
 
+def test_a_matrix_that_a_cut_file_ends_in_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "stereo.yaml"
+    write_opencv(path, 1.0, None)
+    text = path.read_text()
+    path.write_text(text[: text.index("D2:") + len("D2: !!open")])
+    with pytest.raises(CalibrationError, match="stereo.yaml: matrix '[KD]2' is (damaged|missing)"):
+        load_opencv(path)
+
+
 @pytest.mark.parametrize(
     "content", ["", "K1: [1, 2", "just words\n", "\x00\x01\x02"], ids=["empty", "cut", "text", "binary"]
 )
