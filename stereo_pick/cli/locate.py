@@ -62,6 +62,8 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 def run(args: argparse.Namespace) -> int:
     """Locate and print; raises StereoPickError on unusable input, ImageError on exchanged images."""
+    if args.picture is not None and args.picture.resolve() in (args.left.resolve(), args.right.resolve()):
+        raise ImageError(f"--picture {args.picture} is one of the two images: give another file, or it would be lost")
     values = pipeline_values(args)
     rig = load_rig(args.calibration)
     pipeline = Pipeline(rig, steps(values), positioning_of(args, rig))

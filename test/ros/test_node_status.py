@@ -128,6 +128,18 @@ def test_rectification_names_a_remapped_topic(graph: Graph) -> None:
         other.close()
 
 
+def test_rectification_pairs_no_images_without_stamps(graph: Graph) -> None:
+    graph.host(RectificationNode(graph.context))
+    cameras = Cameras(graph)
+
+    def unstamped() -> None:
+        cameras.stamp_ns = 0
+        cameras.pair()
+
+    told_so = told(graph, "rectification", ERROR, "/image_raw: images have the stamp 0", "header.stamp")
+    cameras.until(unstamped, told_so, "no stamps")
+
+
 def test_rectification_names_the_camera_that_has_gone_and_rejoices_when_it_is_back(graph: Graph) -> None:
     graph.host(RectificationNode(graph.context))
     cameras = Cameras(graph)

@@ -248,6 +248,14 @@ def test_run_tells_what_the_nodes_complain_of_and_ends_with_status_1(
     assert "0 pose arrays received for 3 pairs" in child.output
 
 
+def test_a_picture_in_the_place_of_an_image_is_refused_by_locate(good: Good, tmp_path: Path) -> None:
+    image = tmp_path / "left.png"
+    image.write_bytes(b"the only copy")
+    done = stereo_pick("locate", image, image, "--calibration", DEMO_RIG, "--picture", tmp_path / "." / "left.png")
+    the_line(done.error, ["left.png is one of the two images", "give another file"])
+    assert image.read_bytes() == b"the only copy"
+
+
 def test_images_of_another_size_are_refused_by_locate(good: Good, tmp_path: Path) -> None:
     small = [cv2.resize(view, (320, 240)) for view in good.pairs[0]]
     folder = write_images(tmp_path / "small", [(small[0], small[1])])

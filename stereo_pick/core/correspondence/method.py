@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 from stereo_pick.core.correspondence.correspondences import Correspondences
+from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blobs
 from stereo_pick.core.params import Configurable, parameter
@@ -27,6 +28,13 @@ class Method(Configurable, ABC):
 
     min_depth_m: float = parameter(0.1, "Nearest depth at which objects are looked for.", low=0.01, high=100.0)
     max_depth_m: float = parameter(10.0, "Farthest depth at which objects are looked for.", low=0.02, high=1000.0)
+
+    def __post_init__(self) -> None:
+        """Raise ParameterError on a value out of its range, or depths of which none is between them."""
+        super().__post_init__()
+        if self.min_depth_m >= self.max_depth_m:
+            depths = f"min_depth_m = {self.min_depth_m:g} must be less than max_depth_m = {self.max_depth_m:g}"
+            raise ParameterError(depths)
 
     @abstractmethod
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:

@@ -243,6 +243,12 @@ def test_a_method_is_frozen(name: str) -> None:
 
 
 @every_method
+def test_depths_with_nothing_between_them_are_refused(name: str) -> None:
+    with pytest.raises(ParameterError, match="min_depth_m = 5 must be less than max_depth_m = 1"):
+        methods()[name](min_depth_m=5.0, max_depth_m=1.0)
+
+
+@every_method
 def test_every_field_is_a_declared_parameter(name: str) -> None:
     method = methods()[name]
     assert {field.name for field in fields(method)} == {each.name for each in method.parameters()}
