@@ -33,10 +33,10 @@ class StereoRig:
     def __post_init__(self) -> None:
         check_baseline(self.right_T_left)
         left, right = self.left.P, self.right.P
-        if not np.allclose(left[1, 1:3], right[1, 1:3], rtol=1e-4) or abs(right[1, 3]) > 1e-6 * abs(right[0, 3]):
+        if not np.isclose(left[1, 2], right[1, 2], rtol=1e-4) or abs(right[1, 3]) > 1e-6 * abs(right[0, 3]):
             raise CalibrationError(
-                f"left and right P do not share their rows: fy {left[1, 1]:.3f} and {right[1, 1]:.3f}, "
-                f"cy {left[1, 2]:.3f} and {right[1, 2]:.3f}, P[1,3] {right[1, 3]:.3f}: "
+                f"left and right P do not share their rows: cy {left[1, 2]:.3f} and {right[1, 2]:.3f}, "
+                f"P[1,3] {right[1, 3]:.3f}: "
                 "they are not the horizontal rectification of one stereo calibration"
             )
 

@@ -119,10 +119,17 @@ def test_projections_of_different_focal_lengths_are_refused_with_both(factor: fl
         StereoRig.from_cameras(rig.left, replace(rig.right, P=P))
 
 
-@pytest.mark.parametrize(("row", "column", "value"), [(1, 1, 701.0), (1, 2, 250.0), (1, 3, 20.0)])
-def test_projections_that_share_no_rows_are_refused(row: int, column: int, value: float) -> None:
+@pytest.mark.parametrize(
+    ("row", "column", "value", "complaint"),
+    [
+        (1, 1, 701.0, "different focal lengths"),
+        (1, 2, 250.0, "do not share their rows"),
+        (1, 3, 20.0, "do not share their rows"),
+    ],
+)
+def test_projections_that_share_no_rows_are_refused(row: int, column: int, value: float, complaint: str) -> None:
     rig = RIGS["parallel"]
     P = rig.right.P.copy()
     P[row, column] = value
-    with pytest.raises(CalibrationError, match="do not share their rows|different focal lengths"):
+    with pytest.raises(CalibrationError, match=complaint):
         StereoRig(rig.left, replace(rig.right, P=P))
