@@ -186,6 +186,8 @@ def load_opencv(path: Path) -> StereoRig:
         )
     try:
         return _about(path, lambda: _rig_from_storage(storage))
+    except cv2.error as error:  # what it means stands in no message of OpenCV
+        raise CalibrationError(f"{path}: is damaged or cut short: copy it again, or calibrate again") from error
     finally:
         storage.release()
 
@@ -193,11 +195,9 @@ def load_opencv(path: Path) -> StereoRig:
 def _rig_from_storage(storage: cv2.FileStorage) -> StereoRig:
     def matrix(name: str, *shape: int | None) -> Floats:
         node = storage.getNode(name)
-        if node.empty():
+        value = None if node.empty() else node.mat()
+        if value is None:
             raise CalibrationError(f"matrix {name!r} is missing; needed are K1 D1 K2 D2 R T")
-        if not node.isMap():
-            raise CalibrationError(f"matrix {name!r} is damaged: the file may be cut short; copy it again")
-        value = node.mat()
         if shape == (None,):
             value = value.ravel()
         return floats(name, value, *shape)
