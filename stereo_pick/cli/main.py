@@ -7,19 +7,6 @@ import sys
 from collections.abc import Sequence
 
 from stereo_pick import __version__
-from stereo_pick.cli import (
-    background,
-    board,
-    calibrate,
-    demo,
-    hand_eye,
-    import_bouguet,
-    locate,
-    parameters,
-    replay,
-    run,
-    table,
-)
 from stereo_pick.core.errors import StereoPickError
 
 _DESCRIPTION = """\
@@ -38,8 +25,8 @@ from two cameras to poses:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return its exit status."""
-    args = _parser().parse_args(argv)
     try:
+        args = _parser().parse_args(argv)
         return int(args.run(args))
     except StereoPickError as error:
         print(f"stereo-pick: error: {error}", file=sys.stderr)
@@ -52,6 +39,21 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
+    # Here, not above: they take a second to load, and Ctrl-C must not end in a traceback even then.
+    from stereo_pick.cli import (
+        background,
+        board,
+        calibrate,
+        demo,
+        hand_eye,
+        import_bouguet,
+        locate,
+        parameters,
+        replay,
+        run,
+        table,
+    )
+
     parser = argparse.ArgumentParser(
         prog="stereo-pick",
         description=_DESCRIPTION,

@@ -13,7 +13,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-from stereo_pick.ros.messages.diagnostics import ERROR, kind
+from stereo_pick.ros.messages.diagnostics import ERROR, PAIRS, kind
 from stereo_pick.ros.messages.stamps import stamp_ns
 from stereo_pick.ros.process import prepare_process
 from stereo_pick.ros.topics import (
@@ -36,7 +36,8 @@ _AWAITED = [
 class Monitor:
     """Receives PoseArrays and passes each on as stamp [ns], frame and positions [m]; errors of nodes once a kind.
 
-    count: PoseArrays so far; located: the objects in them; errors: what the nodes have told.
+    count: PoseArrays so far; located: the objects in them; captured: the pairs that capture says it published;
+    errors: what the nodes have told.
     """
 
     def __init__(
@@ -54,6 +55,7 @@ class Monitor:
         self._failed = failed
         self.count = 0
         self.located = 0
+        self.captured = 0
         self.errors: list[str] = []
         self._node.create_subscription(PoseArray, OBJECT_POSES.name, self._on_poses, OBJECT_POSES.qos)
         self._node.create_subscription(DiagnosticArray, DIAGNOSTICS.name, self._on_diagnostics, DIAGNOSTICS.qos)
@@ -82,8 +84,10 @@ class Monitor:
 
     def _on_diagnostics(self, message: Any) -> None:
         for status in message.status:
-            if status.level != ERROR or status.hardware_id != "stereo_pick":
+            if status.hardware_id != "stereo_pick":
                 continue
-            if kind(status.message) not in map(kind, self.errors):
+            if status.name == "stereo_pick: capture":
+                self.captured = max([self.captured, *(int(each.value) for each in status.values if each.key == PAIRS)])
+            if status.level == ERROR and kind(status.message) not in map(kind, self.errors):
                 self.errors.append(status.message)
                 self._failed(status.message)

@@ -31,25 +31,9 @@ def run(args: argparse.Namespace) -> int:
 
 def nodes() -> dict[str, dict[str, Parameter]]:
     """The parameters of each node, by their full names."""
-    # Here, not above: the nodes need ROS, and the other subcommands should start without it.
-    from stereo_pick.core.configuration import (
-        correspondence_groups,
-        declared,
-        method_parameter,
-        triangulation_groups,
-    )
-    from stereo_pick.ros.nodes.calibration import CalibrationOptions
-    from stereo_pick.ros.nodes.capture import CaptureOptions
-    from stereo_pick.ros.nodes.triangulation import TriangulationOptions
-    from stereo_pick.ros.raw_pairs import RawImageOptions
+    from stereo_pick.ros.all_parameters import all_parameters  # needs ROS, which other subcommands start without
 
-    return {
-        "capture": declared({"": CaptureOptions}),
-        "rectification": declared({"": RawImageOptions}),
-        "correspondence": {"method": method_parameter(), **declared(correspondence_groups())},
-        "triangulation": declared({"": TriangulationOptions, **triangulation_groups()}),
-        "calibration": declared({"": CalibrationOptions}),
-    }
+    return all_parameters()
 
 
 def markdown_text() -> str:

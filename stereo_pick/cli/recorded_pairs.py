@@ -31,7 +31,7 @@ def choose_pairs(path: Path, board: Board, left_topic: str = "", right_topic: st
     The recording is read as a stream: what is kept are the images of the chosen views. Raises SourceError and
     ImageError as its source does, CalibrationError where no pair shows the board or the images differ in size.
     """
-    source = open_source(path, left_topic=left_topic, right_topic=right_topic)
+    source = open_source(path, left_topic=left_topic, right_topic=right_topic, uses_camera_info=False)
     collector = Collector(board)
     for pair in progress(timed_pairs(source), source.count, "pairs"):
         collector.look(pair)

@@ -23,7 +23,7 @@ from stereo_pick.core.pipeline import Pipeline, Result
 from stereo_pick.core.refusal import REASONS
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.sources.opening import open_source
-from stereo_pick.sources.source import SourcePair, StereoSource
+from stereo_pick.sources.source import SourcePair, StereoSource, without_partner
 
 _DESCRIPTION = """\
 Replay a whole recording offline, as fast as this machine can.
@@ -117,6 +117,7 @@ def opened_source(args: argparse.Namespace) -> StereoSource:
         left_topic=args.left_topic,
         right_topic=args.right_topic,
         max_stamp_offset_s=args.max_stamp_offset,
+        uses_camera_info=args.calibration is None,
     )
 
 
@@ -139,8 +140,9 @@ def _write_lines(lines: TextIO, results: Iterable[tuple[SourcePair, Result]], me
 
 def _results(pipeline: Pipeline, source: StereoSource) -> Iterator[tuple[SourcePair, Result]]:
     """Yield each pair with its result; raises ImageError at the end where no pair fits the calibration."""
-    located, faults, notice = 0, [], ""
+    pairs, located, faults, notice = 0, 0, [], ""
     for pair in source:
+        pairs += 1
         pipeline.positioning.check(pipeline.rig, pair.left_frame_id)
         left, right = pixels(pair.left, what="left image"), pixels(pair.right, what="right image")
         result = pipeline.run(StereoFrame(left, right, pair.stamp_ns))
@@ -148,8 +150,8 @@ def _results(pipeline: Pipeline, source: StereoSource) -> Iterator[tuple[SourceP
         faults += [fault] if (fault := rig_fault_of(result)) else []
         notice = result.correspondences.notice or notice
         yield pair, result
-    if notice:
-        print(f"stereo-pick: warning: {notice}", file=sys.stderr)
+    for warning in filter(None, (notice, without_partner(source, pairs))):
+        print(f"stereo-pick: warning: {warning}", file=sys.stderr)
     if faults and not located:
         remedy = (
             "; exchange --left-topic and --right-topic, or the files" if "swapped" in faults else " Calibrate again"

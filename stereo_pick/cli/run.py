@@ -20,6 +20,7 @@ from stereo_pick.cli.replay import add_recording_option, add_source_options, ope
 from stereo_pick.core.configuration import correspondence_groups, declared, triangulation_groups
 from stereo_pick.core.errors import ParameterError, SourceError
 from stereo_pick.core.params import Value
+from stereo_pick.sources.source import without_partner
 
 if TYPE_CHECKING:
     from stereo_pick.cli.monitor import Monitor
@@ -43,8 +44,9 @@ examples:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a run: PoseArrays, objects in them, errors of the nodes, and whether a signal ended it."""
+    """What came of a run: pairs captured, PoseArrays, objects in them, nodes' errors, and whether a signal ended it."""
 
+    pairs: int
     arrays: int
     objects: int
     errors: tuple[str, ...]
@@ -85,15 +87,21 @@ def run(args: argparse.Namespace) -> int:
     if args.calibration is not None:
         capture["calibration"] = str(args.calibration)
     outcome = run_chain(capture, {**pipeline_values(args), **files}, LiveTable().show, one_process=args.one_process)
-    print(f"{outcome.arrays} pose arrays received" + ("" if args.loop else f" for {source.count} pairs"))
-    explained = outcome.errors and outcome.arrays == 0
-    if not args.loop and not outcome.stopped and not explained and outcome.arrays < (source.count or 0):
-        print(
-            "stereo-pick: warning: not every pair came through: this machine is too slow for the recorded rate; "
-            "use --rate 0.5 or less, or `stereo-pick replay`",
-            file=sys.stderr,
-        )
+    print(f"{outcome.arrays} pose arrays received" + ("" if args.loop else f" for {outcome.pairs} pairs"))
+    if not args.loop and not outcome.stopped:
+        for warning in filter(None, (without_partner(source, outcome.pairs), _lost(outcome, args.rate))):
+            print(f"stereo-pick: warning: {warning}", file=sys.stderr)
     return 1 if outcome.errors and outcome.objects == 0 and not outcome.stopped else 0
+
+
+def _lost(outcome: Outcome, rate: float) -> str:
+    """What to say of pairs that came to nothing, where no node has told why."""
+    if outcome.arrays >= outcome.pairs or (outcome.errors and outcome.arrays == 0):
+        return ""
+    return (
+        f"not every pair came through: this machine is too slow for {outcome.pairs} pairs at rate {rate:g}; "
+        f"use --rate {rate / 2:g} or less, or `stereo-pick replay`"
+    )
 
 
 def run_chain(
@@ -124,7 +132,7 @@ def run_chain(
                 chain.check()
         finally:
             monitor.close()
-    return Outcome(monitor.count, monitor.located, tuple(monitor.errors), stop.is_set())
+    return Outcome(monitor.captured, monitor.count, monitor.located, tuple(monitor.errors), stop.is_set())
 
 
 def _complain(error: str) -> None:

@@ -6,13 +6,12 @@ The ROS nodes, the command line, the YAML file and the documentation use these n
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from difflib import get_close_matches
 from typing import TypeVar
 
 from stereo_pick.core.correspondence import method_named, methods
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.objects import Detector
-from stereo_pick.core.params import Configurable, Parameter, Value
+from stereo_pick.core.params import Configurable, Parameter, Value, unknown_name
 from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.triangulation import Triangulator
 
@@ -92,6 +91,4 @@ def parsed(assignments: Iterable[str]) -> dict[str, Value]:
 
 def _check_known(name: str, known: Mapping[str, Parameter]) -> None:
     if name not in known:
-        near = get_close_matches(name, known, n=1, cutoff=0.4)
-        hint = f"did you mean {near[0]}?" if near else "docs/parameters.md lists them all"
-        raise ParameterError(f"there is no parameter {name!r}; {hint}")
+        raise ParameterError(unknown_name(name, known))

@@ -8,8 +8,9 @@ YAML file and the documentation are generated from these declarations.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import MISSING, dataclass, field, fields
+from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from stereo_pick.core.errors import ParameterError
@@ -116,3 +117,10 @@ class Configurable:
             if name not in known:
                 raise ParameterError(f"there is no parameter {name!r}; there are: {', '.join(sorted(known))}")
         return cls(**values)
+
+
+def unknown_name(name: str, known: Collection[str]) -> str:
+    """What to say of a name that is none of the known parameters', with the one that may have been meant."""
+    near = get_close_matches(name, known, n=1, cutoff=0.4)
+    hint = f"did you mean {near[0]}?" if near else "docs/parameters.md lists them all"
+    return f"there is no parameter {name!r}; {hint}"

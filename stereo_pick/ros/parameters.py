@@ -13,6 +13,12 @@ from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.params import Parameter, Value
 
 _INT_MAX = 2**31 - 1
+_WRITTEN = {  # how YAML takes a value for one of that type
+    bool: "true or false",
+    int: "a whole number without a point",
+    float: "a number with a point: 1.0, not 1",
+    str: "a text; one that looks like a number needs quotes",
+}
 
 Values = dict[str, Value]
 
@@ -88,9 +94,8 @@ def _declare(node: Node, name: str, parameter: Parameter) -> Value:
     try:
         value = node.declare_parameter(name, parameter.default, descriptor(parameter)).value
     except InvalidParameterTypeException as error:
-        raise ParameterError(
-            f"{name} must be of type {type(parameter.default).__name__} (a number with a point needs it: 1.0): {error}"
-        ) from None
+        kind = type(parameter.default)
+        raise ParameterError(f"{name} must be of type {kind.__name__} ({_WRITTEN[kind]}): {error}") from None
     except InvalidParameterValueException as error:
         raise ParameterError(f"{name} must be within {parameter.range_text()}: {error}") from None
     return parameter.checked(value)

@@ -16,6 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from stereo_pick.core.errors import ParameterError, StereoPickError
+from stereo_pick.ros.misspelled import warn_of_misspelled
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.started_by import is_orphaned
 
@@ -41,6 +42,7 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
         _init(context, args)
         for factory in factories:
             nodes.append(factory(context))
+        warn_of_misspelled(nodes)
         _spin(nodes, context, stop)
         return 0
     except StereoPickError as error:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -20,6 +21,8 @@ from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.topics import IMAGE_RAW, SIDES
 
 _SILENT_AFTER_S = 2.0
+_RECENT = 40  # images over which those without partner are counted
+_LOST_ON_THE_WAY = "give its driver the Fast DDS profile, without which large images get lost (docs/nodes.md)"
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,7 @@ class RawPairs:
         self._first_ns: int | None = None
         self._last_ns.clear()
         self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9))
+        self._recent: deque[bool] = deque(maxlen=_RECENT)
 
     @property
     def counts(self) -> PairingCounts:
@@ -77,12 +81,12 @@ class RawPairs:
         """What is missing, if anything is."""
         if self.counts.pairs == 0:
             return Status(self.missing_level(), self._why_no_pair())
-        silent = self._silent()
+        silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in self._silent()]
         if not silent:
-            return None
-        topics = " and ".join(self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in silent)
+            return self._many_unpaired()
         level = WARN if len(silent) == len(SIDES) else ERROR
-        return Status(level, f"no image on {topics} any more: is the camera running?")
+        message = f"no image on {' and '.join(silent)} any more: is the camera running?"
+        return Status(level, message + self._if_published(silent))
 
     def missing_level(self) -> bytes:
         """ERROR once images have been coming for so long that what belongs to them cannot just be on its way."""
@@ -94,9 +98,25 @@ class RawPairs:
     def _why_no_pair(self) -> str:
         silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in SIDES if side not in self._last_ns]
         if len(silent) == len(SIDES):
-            return f"no image on {' and '.join(silent)}: are the cameras running?"
+            return f"no image on {' and '.join(silent)}: are the cameras running?{self._if_published(silent)}"
         explained = self._pairer.explain()
-        return f"no image on {silent[0]}: {explained}" if silent else explained
+        return f"no image on {silent[0]}: {explained}{self._if_published(silent)}" if silent else explained
+
+    def _if_published(self, topics: Sequence[str]) -> str:
+        """What else may be wrong with topics on which nothing arrives although somebody publishes them."""
+        published = all(self._node.count_publishers(topic) > 0 for topic in topics)
+        return f" It is published: if the camera does run, {_LOST_ON_THE_WAY}" if published else ""
+
+    def _many_unpaired(self) -> Status | None:
+        """The warning where most of the last images found no partner."""
+        unpaired = self._recent.count(False)
+        if 2 * unpaired <= _RECENT:
+            return None
+        return Status(
+            WARN,
+            f"{unpaired} of the last {len(self._recent)} images found no partner: are the cameras synchronised, at one "
+            f"rate? If they are, {_LOST_ON_THE_WAY}",
+        )
 
     def _silent(self) -> list[Side]:
         """Both sides where nothing comes any more, or the one that the other has left behind."""
@@ -114,8 +134,14 @@ class RawPairs:
             self._pairer.flush()
             self._last_stamp_ns.clear()
         self._last_stamp_ns[side] = taken_ns
-        for pair in self._pairer.add(side, taken_ns, message):
+        dropped = self._dropped()
+        pairs = self._pairer.add(side, taken_ns, message)
+        self._recent.extend([False] * (self._dropped() - dropped) + [True] * 2 * len(pairs))
+        for pair in pairs:
             self._paired(pair)
+
+    def _dropped(self) -> int:
+        return self.counts.dropped_left + self.counts.dropped_right
 
     def _now_ns(self) -> int:
         return self._node.steady_clock.now().nanoseconds

@@ -10,6 +10,7 @@ from typing import Any
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import TopicInfo
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ParameterError, SourceError
 from stereo_pick.core.images import ImageBuffer, decode_compressed, encode
@@ -25,7 +26,8 @@ _MAX_OFFSET_S = 60.0
 class BagSource:
     """The stereo pairs of a bag, paired by the stamps of their headers; made by `open`.
 
-    count: how many left images there are. The bag is read as a stream, anew at each iteration.
+    count: how many images there are of the camera that has more. The bag is read as a stream, anew at each iteration.
+    uses_camera_info: whether its pairs are rectified by its own `cameras`, so that another calibration midway is wrong.
     """
 
     path: Path
@@ -33,9 +35,16 @@ class BagSource:
     right_topic: str
     max_stamp_offset_s: float
     count: int
+    uses_camera_info: bool = True
 
     @staticmethod
-    def open(path: Path, left_topic: str = "", right_topic: str = "", max_stamp_offset_s: float = 0.01) -> BagSource:
+    def open(
+        path: Path,
+        left_topic: str = "",
+        right_topic: str = "",
+        max_stamp_offset_s: float = 0.01,
+        uses_camera_info: bool = True,
+    ) -> BagSource:
         """Find the image topics (by their names, where they are not given) of the bag at `path`.
 
         Raises SourceError on a bag that is absent or damaged, or in which the choice of topics is
@@ -52,7 +61,8 @@ class BagSource:
             _check_images(topics, left_topic, right_topic)
         except SourceError as error:
             raise SourceError(f"{path}: {error}") from None
-        return BagSource(path, left_topic, right_topic, max_stamp_offset_s, topics[left_topic].msgcount)
+        count = max(topics[left_topic].msgcount, topics[right_topic].msgcount)
+        return BagSource(path, left_topic, right_topic, max_stamp_offset_s, count, uses_camera_info)
 
     @property
     def has_stamps(self) -> bool:
@@ -74,14 +84,14 @@ class BagSource:
     def __iter__(self) -> Iterator[SourcePair]:
         """Yield the pairs; what was recorded before a damage comes before its error.
 
-        Raises SourceError where the bag is damaged, its images are not stamped or nothing pairs (with the reason),
-        ImageError on a compressed image that cannot be decoded.
+        Raises SourceError where the bag is damaged, its images are not stamped, its calibration changes or nothing
+        pairs (with the reason), ImageError on a compressed image that cannot be decoded.
         """
         pairer: StampPairer[Recorded] = StampPairer(round(self.max_stamp_offset_s * 1e9))
         damage = None
         with opened(self.path) as reader:
             try:
-                for recorded in messages(self.path, reader, self.left_topic, self.right_topic):
+                for recorded in self._images(reader):
                     side: Side = "left" if recorded.topic == self.left_topic else "right"
                     if recorded.stamp_ns == 0:
                         raise SourceError(f"{self.path}: {recorded.topic}: {NOT_STAMPED}")
@@ -95,6 +105,20 @@ class BagSource:
             raise SourceError(
                 f"{self.path}: no stereo pair in {self.left_topic} and {self.right_topic}: {pairer.explain()}"
             )
+
+    def _images(self, reader: AnyReader) -> Iterator[Recorded]:
+        """The images, up to where the calibration they are used with no longer holds: SourceError."""
+        images = (self.left_topic, self.right_topic)
+        infos = tuple(camera_info_topic(topic) for topic in images) if self.uses_camera_info else ()
+        first: dict[str, bytes] = {}
+        for recorded in messages(self.path, reader, *images, *infos):
+            if recorded.topic in images:
+                yield recorded
+            elif first.setdefault(recorded.topic, _calibration(recorded.message)) != _calibration(recorded.message):
+                raise SourceError(
+                    f"{self.path}: {recorded.topic} changes at stamp {recorded.stamp_ns / 1e9:.3f} s: what comes then "
+                    "needs another calibration; cut the bag there, or give the calibration that holds for all of it"
+                )
 
     def _camera(self, reader: AnyReader, name: str, topic: str) -> Camera | None:
         for recorded in messages(self.path, reader, topic):
@@ -128,9 +152,19 @@ def _buffer(recorded: Recorded) -> ImageBuffer:
     )
 
 
+def _calibration(info: Any) -> bytes:
+    """What of a CameraInfo says how to rectify, for comparison."""
+    matrices = b"".join(matrix.tobytes() for matrix in _matrices(info))
+    return f"{info.width} {info.height} {info.distortion_model} ".encode() + matrices
+
+
+def _matrices(info: Any) -> list[Floats]:
+    """K, D, R and P of a CameraInfo, which have capital names in ROS 1."""
+    return [getattr(info, name) if hasattr(info, name) else getattr(info, name.upper()) for name in "kdrp"]
+
+
 def _camera(name: str, info: Any) -> Camera:
-    """A camera from a CameraInfo, whose matrices have capital names in ROS 1."""
-    K, D, R, P = (getattr(info, field) if hasattr(info, field) else getattr(info, field.upper()) for field in "kdrp")
+    K, D, R, P = _matrices(info)
     return Camera(
         name=name,
         width_px=int(info.width),

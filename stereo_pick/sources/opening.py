@@ -17,10 +17,12 @@ def open_source(
     right_topic: str = "",
     max_stamp_offset_s: float = 0.01,
     rate_hz: float = 10.0,
+    uses_camera_info: bool = True,
 ) -> StereoSource:
     """Open a bag (mcap, sqlite3, ROS 1) or a folder of image pairs, whichever `path` is.
 
-    The topics (found by their names where not given) and the stamp offset concern bags, the rate folders.
+    The topics (found by their names where not given), the stamp offset and whether the calibration is the recorded one
+    (so that it must not change midway) concern bags, the rate folders.
     Raises SourceError where there are no stereo pairs, ParameterError on an offset or rate out of range.
     """
     if not path.exists():
@@ -28,7 +30,7 @@ def open_source(
     if _is_bag(path):  # imported here, because a folder should not wait for rosbags to load
         from stereo_pick.sources.bag import BagSource
 
-        return BagSource.open(path, left_topic, right_topic, max_stamp_offset_s)
+        return BagSource.open(path, left_topic, right_topic, max_stamp_offset_s, uses_camera_info)
     if path.is_dir():
         from stereo_pick.sources.images import ImageFolder
 

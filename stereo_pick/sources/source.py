@@ -30,7 +30,7 @@ class StereoSource(Protocol):
 
     @property
     def count(self) -> int | None:
-        """About how many pairs there are (for a progress bar); None where nobody knows."""
+        """How many pairs there are, if every image has its partner; None where nobody knows."""
 
     @property
     def has_stamps(self) -> bool:
@@ -45,3 +45,14 @@ class StereoSource(Protocol):
 
     def __iter__(self) -> Iterator[SourcePair]:
         """Yield one pair after the other; raises SourceError or ImageError where no further one can be read."""
+
+
+def without_partner(source: StereoSource, pairs: int) -> str:
+    """What to say of images without partner, after the whole source gave so many pairs; empty where all are paired."""
+    count = source.count or 0
+    if pairs >= count:
+        return ""
+    return (
+        f"{count - pairs} of {count} pairs lack an image: it was not recorded, or its stamp is farther from its "
+        "partner's than max_stamp_offset_s"
+    )

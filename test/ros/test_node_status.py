@@ -120,6 +120,29 @@ def test_rectification_names_the_one_camera_that_is_silent(graph: Graph, alive: 
     assert f"/{alive}/image_raw" not in graph.statuses()["rectification"][1]
 
 
+def test_rectification_tells_of_the_profile_only_where_somebody_publishes(graph: Graph) -> None:
+    graph.host(RectificationNode(graph.context))
+    graph.wait(told(graph, "rectification", WARN, "/left/image_raw", "are the cameras running?"), "nobody publishes")
+    assert "profile" not in graph.statuses()["rectification"][1]
+    Cameras(graph)
+    graph.wait(told(graph, "rectification", WARN, "are the cameras running?", "Fast DDS profile"), "they are published")
+
+
+def test_rectification_warns_where_most_images_have_no_partner(graph: Graph) -> None:
+    graph.host(RectificationNode(graph.context))
+    cameras = Cameras(graph)
+
+    def lossy() -> None:
+        cameras.pair()
+        for _ in range(3):
+            cameras.image("left")
+            cameras.stamp_ns += STEP_NS
+
+    parts = ("of the last 40 images found no partner", "synchronised", "Fast DDS profile")
+    cameras.until(lossy, told(graph, "rectification", WARN, *parts), "most are alone")
+    cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it is well again")
+
+
 def test_rectification_names_a_remapped_topic(graph: Graph) -> None:
     with reserved_domain() as domain:
         other = Graph(domain, ["-r", "__ns:=/cell1", "-r", "right/image_raw:=/cam1/image"])

@@ -22,6 +22,7 @@ from stereo_pick.core.errors import CalibrationError, ImageError, ParameterError
 from stereo_pick.core.images import pixels
 from stereo_pick.sources.bag import BagSource
 from stereo_pick.sources.opening import open_source
+from stereo_pick.sources.source import without_partner
 
 ROS2 = get_typestore(Stores.ROS2_JAZZY)
 ROS1 = get_typestore(Stores.ROS1_NOETIC)
@@ -260,6 +261,31 @@ def test_an_uncalibrated_camera_is_named_but_its_images_are_read(tmp_path: Path)
     assert len(list(source)) == 2
     with pytest.raises(CalibrationError, match="/stereo/left/camera_info.*focal length"):
         source.cameras  # noqa: B018
+
+
+def test_a_calibration_that_changes_midway_ends_the_reading_unless_another_one_is_used(
+    tmp_path: Path, write: Any
+) -> None:
+    infos = [camera_info("/stereo/left/camera_info"), camera_info("/stereo/right/camera_info", tx=-12.5)]
+    images = stereo(5)
+    renewed = [replace(each, stamp_ns=images[6].stamp_ns) for each in (infos[0], camera_info(infos[1].topic, tx=-12.6))]
+    path = write(tmp_path / "bag", [*infos, *images[:6], *renewed, *images[6:]])
+    received, error = drained(path)
+    assert received == 3
+    assert isinstance(error, SourceError)
+    assert f"/stereo/right/camera_info changes at stamp {images[6].stamp_ns / 1e9:.3f} s" in str(error)
+    assert len(list(open_source(path, uses_camera_info=False))) == 5
+    repeated = [replace(each, stamp_ns=images[6].stamp_ns) for each in infos]
+    assert drained(write(tmp_path / "same", [*infos, *images[:6], *repeated, *images[6:]])) == (5, None)
+
+
+def test_images_without_partner_are_told_of(tmp_path: Path) -> None:
+    messages = stereo(5)
+    source = open_source(write_ros2(tmp_path / "bag", [each for i, each in enumerate(messages) if i not in (2, 6)]))
+    pairs = len(list(source))
+    assert (pairs, source.count) == (3, 5)
+    assert without_partner(source, pairs).startswith("2 of 5 pairs lack an image")
+    assert without_partner(source, 5) == ""
 
 
 @pytest.mark.parametrize(

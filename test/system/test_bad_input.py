@@ -1,4 +1,4 @@
-"""Each bad input, given to a real command or node process: one line that names thing, value and remedy, and no pose."""
+"""Each bad input, given to a command or a real node process: one line with thing, value and remedy, and no pose."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ import yaml
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 from recordings import DEMO_RIG, Recording, demo_pairs, write_images
-from ros_tools import System, stereo_pick
+from ros_tools import System, stereo_pick_here
 from rosbags.rosbag2 import StoragePlugin
 
 from stereo_pick.core.calibration.files import load_rig
@@ -59,7 +59,7 @@ def only_error(output: str) -> str:
 
 def replay(*args: str | Path) -> tuple[str, list[Any]]:
     """The error of a `stereo-pick replay` that cannot go on, and the objects it has printed before."""
-    done = stereo_pick("replay", *args)
+    done = stereo_pick_here("replay", *args)
     return done.error, [each for line in done.stdout.splitlines() for each in json.loads(line)["objects"]]
 
 
@@ -175,7 +175,7 @@ def test_what_cannot_be_read_is_refused_by_every_command_and_by_the_node(
     line, objects = replay(source)
     the_line(line, [str(source), *parts])
     assert objects == []
-    ran = stereo_pick("run", "--source", source)
+    ran = stereo_pick_here("run", "--source", source)
     the_line(ran.error, [str(source), *parts])
     assert ran.stdout == ""
     assert capture.wait() == 1
@@ -192,7 +192,7 @@ def test_a_bag_with_damage_gives_what_came_before_and_then_names_the_damage(
     line, objects = replay(source)
     the_line(line, parts)
     assert len(objects) in (4, 8)
-    to_bag = stereo_pick("replay", source, "--output", tmp_path / "poses.mcap")
+    to_bag = stereo_pick_here("replay", source, "--output", tmp_path / "poses.mcap")
     the_line(to_bag.error, parts)
     assert list(tmp_path.glob("poses*")) == []
     assert capture.wait() == 1
@@ -251,7 +251,7 @@ def test_run_tells_what_the_nodes_complain_of_and_ends_with_status_1(
 def test_a_picture_in_the_place_of_an_image_is_refused_by_locate(good: Good, tmp_path: Path) -> None:
     image = tmp_path / "left.png"
     image.write_bytes(b"the only copy")
-    done = stereo_pick("locate", image, image, "--calibration", DEMO_RIG, "--picture", tmp_path / "." / "left.png")
+    done = stereo_pick_here("locate", image, image, "--calibration", DEMO_RIG, "--picture", tmp_path / "." / "left.png")
     the_line(done.error, ["left.png is one of the two images", "give another file"])
     assert image.read_bytes() == b"the only copy"
 
@@ -259,7 +259,7 @@ def test_a_picture_in_the_place_of_an_image_is_refused_by_locate(good: Good, tmp
 def test_images_of_another_size_are_refused_by_locate(good: Good, tmp_path: Path) -> None:
     small = [cv2.resize(view, (320, 240)) for view in good.pairs[0]]
     folder = write_images(tmp_path / "small", [(small[0], small[1])])
-    done = stereo_pick("locate", folder / "left00.png", folder / "right00.png", "--calibration", DEMO_RIG)
+    done = stereo_pick_here("locate", folder / "left00.png", folder / "right00.png", "--calibration", DEMO_RIG)
     the_line(done.error, ["320 x 240", "640 x 480", "calibrate"])
     assert done.stdout == ""
 
@@ -267,7 +267,7 @@ def test_images_of_another_size_are_refused_by_locate(good: Good, tmp_path: Path
 def test_exchanged_images_are_refused_by_every_command(good: Good, tmp_path: Path) -> None:
     left, right = good.images / "left00.png", good.images / "right00.png"
     for output in ([], ["--json"]):
-        done = stereo_pick("locate", right, left, "--calibration", DEMO_RIG, *output)
+        done = stereo_pick_here("locate", right, left, "--calibration", DEMO_RIG, *output)
         the_line(done.error, [str(right), "exchanged", "give the left image first"])
     assert json.loads(done.stdout)["objects"] == []
     swapped = write_images(tmp_path / "swapped", [pair[::-1] for pair in good.pairs])
@@ -278,12 +278,12 @@ def test_exchanged_images_are_refused_by_every_command(good: Good, tmp_path: Pat
 
 def test_a_camera_that_has_turned_a_little_is_told_and_made_up_for(good: Good, tmp_path: Path) -> None:
     turned = write_images(tmp_path / "turned", [(left, np.roll(right, 1, axis=0)) for left, right in good.pairs])
-    done = stereo_pick("replay", turned, "--calibration", DEMO_RIG)
+    done = stereo_pick_here("replay", turned, "--calibration", DEMO_RIG)
     lines = [json.loads(line) for line in done.stdout.splitlines()]
     assert done.status == 0 and [len(line["objects"]) for line in lines] == [4, 4, 4]
     assert all(0.8 < line["turned_px"] < 1.2 for line in lines)
     the_line(done.stderr, ["warning: objects are 1.0 rows off", "a camera has turned", "calibrate again"])
-    done = stereo_pick("locate", turned / "left00.png", turned / "right00.png", "--calibration", DEMO_RIG)
+    done = stereo_pick_here("locate", turned / "left00.png", turned / "right00.png", "--calibration", DEMO_RIG)
     assert done.status == 0
     the_line(done.stdout, ["a camera has turned", "calibrate again"])
 
@@ -361,7 +361,7 @@ def test_a_calibration_that_cannot_be_is_refused_by_every_command_and_by_the_nod
 def refused_by_every_command(good: Good, rig: Path, parts: list[str]) -> None:
     images = [good.images / f"{side}00.png" for side in ("left", "right")]
     for arguments in (["locate", *images], ["replay", good.bag], ["run", "--source", good.bag]):
-        done = stereo_pick(*arguments, "--calibration", rig)
+        done = stereo_pick_here(*arguments, "--calibration", rig)
         the_line(done.error, [str(rig), *parts])
         assert done.stdout == ""
 
@@ -387,10 +387,10 @@ def test_an_uncalibrated_camera_in_the_bag_is_named(good: Good, tmp_path: Path) 
 
 def test_an_empty_table_is_no_error(tmp_path: Path, shared_data: Path) -> None:
     table = shared_data / "bench_rig" / "empty" / "table"
-    done = stereo_pick("locate", table / "left.png", table / "right.png", "--calibration", DEMO_RIG, "--json")
+    done = stereo_pick_here("locate", table / "left.png", table / "right.png", "--calibration", DEMO_RIG, "--json")
     assert (done.status, done.stderr) == (0, "")
     assert json.loads(done.stdout)["objects"] == []
-    done = stereo_pick("locate", table / "left.png", table / "right.png", "--calibration", DEMO_RIG)
+    done = stereo_pick_here("locate", table / "left.png", table / "right.png", "--calibration", DEMO_RIG)
     assert (done.status, done.stderr) == (0, "")
     assert "no object" in done.stdout
 
@@ -406,7 +406,7 @@ def test_an_empty_table_is_no_error(tmp_path: Path, shared_data: Path) -> None:
 )
 def test_a_bad_parameter_is_named(good: Good, arguments: list[str], parts: list[str]) -> None:
     images = [good.images / f"{side}00.png" for side in ("left", "right")]
-    the_line(stereo_pick("locate", *images, "--calibration", DEMO_RIG, *arguments).error, parts)
+    the_line(stereo_pick_here("locate", *images, "--calibration", DEMO_RIG, *arguments).error, parts)
 
 
 def test_an_image_file_that_is_none_is_named(good: Good, tmp_path: Path) -> None:
@@ -415,5 +415,5 @@ def test_an_image_file_that_is_none_is_named(good: Good, tmp_path: Path) -> None
         (tmp_path / "broken.png", ["damaged or cut short"]),
         (tmp_path / "none.png", ["no such image"]),
     ):
-        done = stereo_pick("locate", left, good.images / "right00.png", "--calibration", DEMO_RIG)
+        done = stereo_pick_here("locate", left, good.images / "right00.png", "--calibration", DEMO_RIG)
         the_line(done.error, [str(left), *parts])

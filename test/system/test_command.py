@@ -245,7 +245,7 @@ def test_the_demo_goes_slower_where_pairs_were_lost_but_not_after_ctrl_c(
         truth = demo.load_truth(demo.find_bags() / "demo_truth.json")
         for stamp_ns, objects in list(truth.items())[len(rates) == 1 :]:
             show(stamp_ns, "left_eye", list(objects.values()))
-        return Outcome(0, 0, (), stopped)
+        return Outcome(0, 0, 0, (), stopped)
 
     monkeypatch.setattr(demo, "run_chain", run_chain)
     monkeypatch.setenv("ROS_DOMAIN_ID", "0")
@@ -272,3 +272,12 @@ def test_a_wrong_command_line_ends_with_status_2() -> None:
     done = stereo_pick("locate", "only_one.png")
     assert done.status == 2
     assert "usage: stereo-pick locate" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [("run", "--source", "nothing"), ("replay", "nothing"), ("locate", "a.png", "b.png", "--calibration", "nothing")],
+)
+def test_what_is_refused_ends_the_process_with_status_1_and_one_line(arguments: tuple[str, ...]) -> None:
+    done = stereo_pick(*arguments)
+    assert "nothing" in done.error and done.stdout == ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,36 @@ def test_a_signal_ends_every_node_with_status_0_within_2_s(number: signal.Signal
         assert status == 0, (name, child.output)
         assert seconds < 2 * slowness(), name
         assert "rror" not in child.output
+
+
+LOADING_FOR_EVER = """
+import sys, time
+
+class Slow:
+    def find_spec(self, name, path, target=None):
+        if name == {module!r}:
+            print("loading", flush=True)
+            time.sleep(600)
+
+sys.meta_path.insert(0, Slow())
+"""
+
+
+@pytest.mark.parametrize(
+    ("number", "start", "module", "status"),
+    [
+        (signal.SIGINT, "from stereo_pick.ros.executables import capture; sys.exit(capture())", "rclpy", 0),
+        (signal.SIGTERM, "from stereo_pick.ros.executables import capture; sys.exit(capture())", "rclpy", 0),
+        (signal.SIGINT, "from stereo_pick.cli.main import main; sys.exit(main(['run']))", "cv2", 130),
+    ],
+)
+def test_a_signal_ends_what_still_loads(
+    number: signal.Signals, start: str, module: str, status: int, system: System
+) -> None:
+    child = system.start(sys.executable, "-c", LOADING_FOR_EVER.format(module=module) + start)
+    child.wait_for_output("loading")
+    assert child.end(number)[0] == status
+    assert child.output.strip() == "loading"
 
 
 def test_a_dead_camera_and_a_cut_image_are_told_and_give_no_pose(system: System) -> None:
@@ -92,6 +123,16 @@ def test_a_bad_parameter_at_the_start_is_one_line_and_status_1(
     assert line.startswith("stereo-pick: error: ")
     for part in parts:
         assert part in line
+
+
+def test_a_parameter_that_no_node_has_is_told_of(system: System) -> None:
+    of_another_node = {"rate": 1.0, "qos_overrides./left/image_raw.publisher.depth": 3}
+    child = system.start_node("triangulation", {"triangulation.max_ray_gap": 0.01, **of_another_node})
+    child.wait_for_output(
+        "there is no parameter 'triangulation.max_ray_gap'; did you mean triangulation.max_ray_gap_m?"
+    )
+    assert child.end()[0] == 0
+    assert "'rate'" not in child.output and "qos_overrides" not in child.output
 
 
 def test_the_parameter_file_loads_in_every_node(system: System, tmp_path: Path) -> None:

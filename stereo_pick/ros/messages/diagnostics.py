@@ -11,6 +11,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from stereo_pick.ros.messages.stamps import time_message
 
 OK, WARN, ERROR = (DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
+PAIRS = "pairs"  # key of the value that counts them
 
 
 @dataclass(frozen=True)

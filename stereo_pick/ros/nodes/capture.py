@@ -16,7 +16,7 @@ from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.ros.calibration_in_use import CalibrationInUse
 from stereo_pick.ros.messages.cameras import camera_info_message
-from stereo_pick.ros.messages.diagnostics import OK, WARN, Status
+from stereo_pick.ros.messages.diagnostics import OK, PAIRS, WARN, Status
 from stereo_pick.ros.messages.images import buffer_message
 from stereo_pick.ros.messages.stamps import time_message
 from stereo_pick.ros.node import StepNode
@@ -25,7 +25,7 @@ from stereo_pick.ros.process import run_nodes
 from stereo_pick.ros.replay_clock import ReplayClock
 from stereo_pick.ros.topics import CAMERA_INFO, CLOCK, IMAGE_RAW, SIDES
 from stereo_pick.sources.opening import open_source
-from stereo_pick.sources.source import SourcePair, StereoSource
+from stereo_pick.sources.source import SourcePair, StereoSource, without_partner
 
 _LINGER_S = 1.0  # until the last images have left the process
 _SETTLE_S = 0.5  # until who listens to the images knows all topics: what comes before is lost to them
@@ -109,8 +109,12 @@ class CaptureNode(StepNode):
             return Status(WARN, "waiting for subscribers of the images")
         if trouble := self._calibration.trouble():
             return Status(WARN, trouble)
-        state = "finished" if self._ended_ns is not None else "replaying"
-        return Status(OK, f"{state} {self._options.source}: {self._published} pairs published")
+        values = {PAIRS: str(self._published)}
+        if self._ended_ns is None:
+            return Status(OK, f"replaying {self._options.source}: {self._published} pairs published", values)
+        finished = f"finished {self._options.source}: {self._published} pairs published"
+        lacking = "" if self._failure else without_partner(self._source, self._published)
+        return Status(WARN, f"{finished}; {lacking}", values) if lacking else Status(OK, finished, values)
 
     def _on_timer(self) -> None:
         now_ns = self.steady_clock.now().nanoseconds
@@ -135,6 +139,7 @@ class CaptureNode(StepNode):
         """Publish what is due, and sleep until the next pair is."""
         if self._next is None:
             self._ended_ns = now_ns
+            self.report()
             return
         wait_ns = self._replay_clock.until_ns(self._next.recorded_ns, now_ns)
         if wait_ns <= 0:
@@ -194,6 +199,7 @@ def _opened(options: CaptureOptions) -> StereoSource:
         right_topic=options.right_topic,
         max_stamp_offset_s=options.max_stamp_offset_s,
         rate_hz=options.folder_rate_hz,
+        uses_camera_info=not options.calibration,
     )
 
 

@@ -17,7 +17,7 @@ from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.info_of_stamp import InfoOfStamp
 from stereo_pick.ros.messages.cameras import camera_info_message, camera_of, content
-from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, PAIRS, Status
 from stereo_pick.ros.messages.images import image_message
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.parameters import Values
@@ -63,7 +63,7 @@ class RectificationNode(StepNode):
     def status(self) -> Status:
         """What is missing, if anything is."""
         counts = self._raw.counts
-        values = {"left": str(counts.left), "right": str(counts.right), "pairs": str(counts.pairs)}
+        values = {"left": str(counts.left), "right": str(counts.right), PAIRS: str(counts.pairs)}
         trouble = self._raw.trouble()
         if trouble is not None and counts.pairs == 0:
             return replace(trouble, values=values)
