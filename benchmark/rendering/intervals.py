@@ -1,18 +1,29 @@
 """Where rays are inside a slab, a ball or an endless cylinder: from `near` to `far` times the ray.
 
-Where they never are, near is inf and far is -inf. `start` is (N, D) or (1, D), `ahead` is (N, D).
+Where they never are, near is inf and far is -inf. `start` is (N, D) or (1, D), `ahead` is (N, D). Vectors lie in memory
+coordinate by coordinate, in which order numpy computes with few columns two to ten times as fast.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Floats, Ints
 
 
 def dot(one: Floats, other: Floats) -> Floats:
     """Row by row, (N,) of (N, D) or (1, D)."""
     return np.asarray(np.einsum("ij,ij->i", one, other))
+
+
+def turned(vectors: Floats, axes: Floats) -> Floats:
+    """Vectors (N, D) @ axes (D, K)."""
+    return np.asarray(axes.T @ vectors.T).T
+
+
+def taken(vectors: Floats, rows: Ints) -> Floats:
+    """Some rows (K,) of vectors (N, D), in their order."""
+    return vectors.T.take(rows, axis=1).T
 
 
 def slabs(start: Floats, ahead: Floats, half: Floats) -> tuple[Floats, Floats]:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rendering.intervals import dot
+from rendering.intervals import dot, taken
 from rendering.lamps import Lamp
 from rendering.rigs import rotation
 from rendering.shadows import ShadowMap, visible_from
@@ -81,27 +81,27 @@ class Scene:
         with np.errstate(divide="ignore"):
             best = np.where(rays[:, 2] < 0, -origin[2] / rays[:, 2], _FAR)
         label = np.zeros(len(rays), np.int64)
-        normal = np.zeros(rays.shape)
+        normal = np.zeros(rays.shape, order="F")
         normal[:, 2] = 1.0
         inner = np.zeros(len(rays))
         for number, (solid, rows) in enumerate(zip(self.solids, near), start=FIRST):
-            hit = solid.hit(origin, rays[rows])
-            nearer = hit.at < best[rows]
+            hit = solid.hit(origin, taken(rays, rows))
+            nearer = np.flatnonzero(hit.at < best[rows])
             rows = rows[nearer]
-            best[rows], normal[rows], label[rows] = hit.at[nearer], hit.normal[nearer], number
-            inner[rows] = hit.inside[nearer]
+            best[rows], label[rows], inner[rows] = hit.at[nearer], number, hit.inside[nearer]
+            normal[rows] = taken(hit.normal, nearer)
         return Surface(label, origin + best[:, None] * rays, normal, inner)
 
     def radiance(self, origin: Floats, rays: Floats, seen: Surface) -> Floats:
         """What N rays show of what they meet: (N,), 1 is white in full light."""
         light, shine = np.empty(len(rays)), np.empty(len(rays))
-        on_table = seen.label == TABLE
-        light[on_table], shine[on_table] = self._table_light(seen.points[on_table], rays[on_table])
+        on_table = np.flatnonzero(seen.label == TABLE)
+        light[on_table], shine[on_table] = self._table_light(taken(seen.points, on_table), taken(rays, on_table))
         for number, solid in enumerate(self.solids, start=FIRST):
             rows = np.flatnonzero(seen.label == number)
             if len(rows):
-                part = Surface(*(field[rows] for field in seen))
-                light[rows], shine[rows] = self._part_light(solid, part, rays[rows])
+                part = Surface(seen.label[rows], taken(seen.points, rows), taken(seen.normal, rows), seen.inner[rows])
+                light[rows], shine[rows] = self._part_light(solid, part, taken(rays, rows))
         return self._albedo(seen) * light + shine
 
     def _albedo(self, seen: Surface) -> Floats:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rendering.intervals import ball, slabs
+from rendering.intervals import ball, slabs, turned
 from stereo_pick.core.arrays import Bools, Floats
 
 _RIM = 64  # points on a round edge
@@ -81,13 +81,13 @@ class Solid(ABC):
 
     def hit(self, origin: Floats, rays: Floats) -> Hit:
         """Where N rays (N, 3) from one point (3,) or from N points (N, 3) of the table's frame meet the part."""
-        start, ahead = np.atleast_2d(origin - self.centre_m) @ self.axes, rays @ self.axes
+        start, ahead = turned(np.atleast_2d(origin - self.centre_m), self.axes), turned(rays, self.axes)
         at, normal, inside = self._first(start, ahead)
-        return Hit(at, normal @ self.axes.T, inside)
+        return Hit(at, turned(normal, self.axes.T), inside)
 
     def blocks(self, points: Floats, rays: Floats) -> Bools:
         """Whether something of the part lies between each point (N, 3) and that point plus its ray (N, 3)."""
-        start, ahead = (points - self.centre_m) @ self.axes, rays @ self.axes
+        start, ahead = turned(points - self.centre_m, self.axes), turned(rays, self.axes)
         near, far, _ = self._interval(start, ahead)
         return (near < far) & (far > 0) & (near < 1)
 
@@ -165,14 +165,14 @@ class Tube(Cylinder):
 
     def openness(self, points: Floats) -> Floats:
         """How much of the room (N,) points of the inner wall see through both ends, as if each stood on the axis."""
-        along = ((points - self.centre_m) @ self.axes)[:, 2]
+        along = turned(points - self.centre_m, self.axes)[:, 2]
         radius = self.bore * self.size_m[0] / 2
         ends = np.abs(self.size_m[2] / 2 + np.outer((-1, 1), along))
         return np.asarray((1 - ends / np.hypot(ends, radius)).sum(axis=0) / 2)
 
     def light_enters(self, points: Floats, rays: Floats) -> Bools:
         """Whether rays (N, 3) from points (N, 3) of the inner wall leave through an end."""
-        start, ahead = (points - self.centre_m) @ self.axes, rays @ self.axes
+        start, ahead = turned(points - self.centre_m, self.axes), turned(rays, self.axes)
         _, wall = ball(start[:, :2], ahead[:, :2], self.bore * self.size_m[0] / 2)
         _, end = slabs(start[:, 2:], ahead[:, 2:], np.array(self.size_m[2:]) / 2)
         return np.asarray(end[:, 0] < wall)
@@ -194,8 +194,8 @@ class HexPrism(Solid):
         angle = np.arange(3) * np.pi / 3
         normals = np.concatenate([np.stack([np.cos(angle), np.sin(angle), np.zeros(3)], axis=1), _UP[None]])
         half = np.array([self.size_m[0]] * 3 + [self.size_m[2]]) / 2
-        climb = ahead @ normals.T
-        near, far = slabs(start @ normals.T, climb, half)
+        climb = turned(ahead, normals.T)
+        near, far = slabs(turned(start, normals.T), climb, half)
         axis = near.argmax(axis=1)
         facing = -np.sign(np.take_along_axis(climb, axis[:, None], axis=1)) * normals[axis]
         return near.max(axis=1), far.min(axis=1), facing

@@ -8,6 +8,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 
+from rendering.intervals import taken, turned
 from rendering.scene import Scene
 from rendering.solids import Solid
 from stereo_pick.core.arrays import Floats, Ints
@@ -38,18 +39,18 @@ def view(camera: Camera, scene: Scene, table_T_camera: Transform) -> View:
     v, u = (each.ravel() for each in np.indices(shape))
     turn = table_T_camera.rotation.T
     bounds = [image_box(camera, solid, table_T_camera) for solid in scene.solids]
-    ahead = rays @ turn
+    ahead = turned(rays, turn)
     seen = scene.meet(table_T_camera.translation, ahead, _inside(bounds, u, v))
     light = scene.radiance(table_T_camera.translation, ahead, seen).reshape(shape)
     around = np.ones((3, 3), np.uint8)
     uneven = np.flatnonzero(cv2.dilate(light, around) - cv2.erode(light, around) > _FLAT)
     if len(uneven):
         step = (np.arange(_SUBSAMPLES) + 0.5) / _SUBSAMPLES - 0.5
-        du, dv = (each.reshape(1, -1, 1) for each in np.meshgrid(step, step))
-        fine = rays[uneven, None] + du * per_column[uneven, None] + dv * per_row[uneven, None]
-        rows = _inside(bounds, np.repeat(u[uneven], _SUBSAMPLES**2), np.repeat(v[uneven], _SUBSAMPLES**2))
-        fine = fine.reshape(-1, 3) @ turn
-        finely = scene.meet(table_T_camera.translation, fine, rows)
+        du, dv = (each.ravel() for each in np.meshgrid(step, step))
+        middle, column, row = (taken(each, uneven).T[..., None] for each in (rays, per_column, per_row))
+        fine = turned((middle + du * column + dv * row).reshape(3, -1).T, turn)
+        near = tuple(_subsamples(rows) for rows in _inside(bounds, u[uneven], v[uneven]))
+        finely = scene.meet(table_T_camera.translation, fine, near)
         light.flat[uneven] = (
             scene.radiance(table_T_camera.translation, fine, finely).reshape(len(uneven), -1).mean(axis=1)
         )
@@ -77,13 +78,18 @@ def _inside(bounds: list[tuple[Ints, Ints]], u: Ints, v: Ints) -> tuple[Ints, ..
     )
 
 
+def _subsamples(pixels: Ints) -> Ints:
+    return (pixels[:, None] * _SUBSAMPLES**2 + np.arange(_SUBSAMPLES**2)).ravel()
+
+
 @lru_cache(maxsize=8)
 def lens(camera: Camera) -> tuple[Floats, Floats, Floats]:
     """Rays (N, 3) of all pixels, row by row, and by how much they change from one column and one row to the next."""
     v, u = np.mgrid[: camera.height_px, : camera.width_px].astype(np.float64)
     rays = _rays(camera, np.stack([u, v], axis=-1).reshape(-1, 2))
     grid = rays.reshape(*u.shape, 3)
-    return rays, np.gradient(grid, axis=1).reshape(-1, 3), np.gradient(grid, axis=0).reshape(-1, 3)
+    steps = (np.gradient(grid, axis=axis).reshape(-1, 3) for axis in (1, 0))
+    return np.asfortranarray(rays), *(np.asfortranarray(step) for step in steps)
 
 
 def _rays(camera: Camera, raw_px: Floats) -> Floats:
