@@ -8,7 +8,6 @@ from pathlib import Path
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, source_rig
 from stereo_pick.core.frames import StereoFrame
-from stereo_pick.core.images import pixels
 from stereo_pick.core.objects.background_files import save_background
 from stereo_pick.core.objects.learned import BackgroundLearner
 from stereo_pick.core.rectification import Rectifier
@@ -45,8 +44,7 @@ def run(args: argparse.Namespace) -> int:
     source = opened_source(args)
     rectifier, learner = Rectifier(source_rig(source, args)), BackgroundLearner()
     for pair in progress(source, source.count, "pairs"):
-        left, right = pixels(pair.left, what="left image"), pixels(pair.right, what="right image")
-        learner.add(rectifier.rectify(StereoFrame(left, right, pair.stamp_ns)))
+        learner.add(rectifier.rectify(StereoFrame(*pair.images(), pair.stamp_ns)))
     background = learner.finished()
     save_background(args.output, background)
     print(f"{args.output}: learned from {background.pairs} pairs, for calibration {background.calibration_hash}")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from stereo_pick.cli.calibration_report import report
 from stereo_pick.cli.image_pairs import FilePair, disagreement, find_files, pair_files
+from stereo_pick.cli.options import add_depth_option
 from stereo_pick.cli.recorded_pairs import choose_pairs
 from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.detection import BoardImages
@@ -79,6 +80,7 @@ def _add_inputs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--right", metavar="GLOB", help="raw images of the right camera, with --left")
     for side in ("left", "right"):
         parser.add_argument(f"--{side}-topic", default="", metavar="TOPIC", help="with --bag, where names do not tell")
+    add_depth_option(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -105,10 +107,10 @@ def _images(args: argparse.Namespace, board: Board) -> tuple[Iterable[BoardImage
             raise ParameterError("--left needs --right, and topics need --bag: give --left and --right, or --bag")
         pairs = pair_files(find_files(args.left, "--left"), find_files(args.right, "--right"))
         note = disagreement(pairs)
-        return _Files(pairs), [note] if note else []
+        return _Files(pairs, args.full_scale_16), [note] if note else []
     if args.right is not None:
         raise ParameterError("--right goes with --left, not with --bag: name topics by --left-topic and --right-topic")
-    recorded = choose_pairs(args.bag, board, args.left_topic, args.right_topic)
+    recorded = choose_pairs(args.bag, board, args.left_topic, args.right_topic, args.full_scale_16)
     print(f"{'bag':<10}{recorded.summary}")
     return recorded.images, []
 
@@ -118,18 +120,19 @@ class _Files:
     """Image files, read anew at each iteration."""
 
     pairs: Sequence[FilePair]
+    full_scale_16: int
 
     def __iter__(self) -> Iterator[BoardImages]:
-        return _read(self.pairs)
+        return _read(self.pairs, self.full_scale_16)
 
 
-def _read(pairs: Sequence[FilePair]) -> Iterator[BoardImages]:
+def _read(pairs: Sequence[FilePair], full_scale_16: int) -> Iterator[BoardImages]:
     show = sys.stderr.isatty()
     try:
         for done, pair in enumerate(pairs):
             if show:
                 print(f"\r{2 * done}/{2 * len(pairs)} images", end="", file=sys.stderr, flush=True)
-            left, right = grey(read_image(pair.left)), grey(read_image(pair.right))
+            left, right = (grey(read_image(file, full_scale_16)) for file in (pair.left, pair.right))
             yield BoardImages(pair.name, _short(pair.left), _short(pair.right), left, right)
     finally:
         if show:

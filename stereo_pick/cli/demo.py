@@ -18,7 +18,6 @@ from stereo_pick.core.configuration import steps
 from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.errors import SourceError
 from stereo_pick.core.frames import StereoFrame
-from stereo_pick.core.images import pixels
 from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.sources.opening import open_source
@@ -141,5 +140,5 @@ def _draw(bag: Path, picture: Path) -> None:
     if cameras is None:
         raise SourceError(f"{bag} holds no camera_info")
     *_, last = source
-    frame = StereoFrame(pixels(last.left), pixels(last.right), last.stamp_ns)
+    frame = StereoFrame(*last.images(), last.stamp_ns)
     write_picture(picture, Pipeline(StereoRig.from_cameras(*cameras), steps({})).run(frame))

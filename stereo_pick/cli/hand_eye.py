@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from stereo_pick.cli.options import add_depth_option
 from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.calibration.fingerprint import calibration_hash
@@ -66,6 +67,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     parser.add_argument("--board", metavar="BOARD", help="the board in the images: as at `calibrate`")
     parser.add_argument("--square", type=float, metavar="METRES", help="side of one square in metres")
+    add_depth_option(parser)
     parser.add_argument(
         "--output", type=Path, metavar="FILE", help="default: base_T_camera.yaml, or flange_T_camera.yaml"
     )
@@ -110,20 +112,20 @@ def report(result: HandEye) -> str:
 
 def _from_pairs(recording: RecordedPairs, args: argparse.Namespace, rig: StereoRig | None) -> HandEye:
     if all(pair.image is None for pair in recording.pairs):
-        views = [_view(pair, None, None) for pair in recording.pairs]
+        views = [_view(pair, None, None, args.full_scale_16) for pair in recording.pairs]
         return solve_hand_eye(views, recording.mount)
     if rig is None or args.board is None or args.square is None:
         raise CalibrationError("it names images: give --calibration, --board and --square to find the board in them")
     camera, board = rig.left, parse_board(args.board, args.square)
-    views = [_view(pair, camera, board) for pair in recording.pairs]
+    views = [_view(pair, camera, board, args.full_scale_16) for pair in recording.pairs]
     return solve_hand_eye(settle_turns(views, board, recording.mount), recording.mount)
 
 
-def _view(pair: RecordedPair, camera: Camera | None, board: Board | None) -> RobotView:
+def _view(pair: RecordedPair, camera: Camera | None, board: Board | None, full_scale_16: int) -> RobotView:
     pose = pair.camera_T_board
     if pair.image is not None and camera is not None and board is not None:
         try:
-            pose = camera_T_board(grey(read_image(pair.image)), camera, board)
+            pose = camera_T_board(grey(read_image(pair.image, full_scale_16)), camera, board)
         except (CalibrationError, ImageError) as error:
             raise CalibrationError(f"{pair.name}: {error}") from None
     if pose is None:

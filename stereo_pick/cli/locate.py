@@ -8,7 +8,7 @@ from pathlib import Path
 
 import cv2
 
-from stereo_pick.cli.options import add_pipeline_options, pipeline_values
+from stereo_pick.cli.options import add_depth_option, add_pipeline_options, pipeline_values
 from stereo_pick.cli.positioning import add_positioning_options, positioning_of
 from stereo_pick.cli.report import result_mapping, result_text
 from stereo_pick.core.annotation import annotate
@@ -53,6 +53,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         metavar="DIR",
         help="folder with left.yaml and right.yaml, or an OpenCV stereo YAML file",
     )
+    add_depth_option(parser)
     add_positioning_options(parser)
     add_pipeline_options(parser)
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
@@ -67,7 +68,8 @@ def run(args: argparse.Namespace) -> int:
     values = pipeline_values(args)
     rig = load_rig(args.calibration)
     pipeline = Pipeline(rig, steps(values), positioning_of(args, rig))
-    result = pipeline.run(StereoFrame(read_image(args.left), read_image(args.right)))
+    left, right = (read_image(file, args.full_scale_16) for file in (args.left, args.right))
+    result = pipeline.run(StereoFrame(left, right))
     print(json.dumps(result_mapping(result, str(values["method"])), indent=2) if args.json else result_text(result))
     if args.picture is not None:
         write_picture(args.picture, result)

@@ -6,6 +6,7 @@ import argparse
 
 from stereo_pick.core.configuration import DEFAULT_METHOD, parsed
 from stereo_pick.core.correspondence import methods
+from stereo_pick.core.images import FULL_SCALE_16
 from stereo_pick.core.params import Value
 
 
@@ -23,6 +24,17 @@ def add_pipeline_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME=VALUE",
         help="set a parameter, e.g. segmentation.polarity=dark; may be repeated; `stereo-pick parameters` lists them",
+    )
+
+
+def add_depth_option(parser: argparse.ArgumentParser) -> None:
+    """Add --full-scale-16."""
+    parser.add_argument(
+        "--full-scale-16",
+        type=int,
+        default=FULL_SCALE_16,
+        metavar="VALUE",
+        help="value of a 16-bit image that is white (full_scale_16): 4095 for a 12-bit camera (default: %(default)s)",
     )
 
 

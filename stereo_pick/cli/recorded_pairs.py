@@ -12,7 +12,7 @@ from stereo_pick.core.calibration.collecting import Collector, Pace, timed_pair
 from stereo_pick.core.calibration.detection import BoardImages
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.frames import grey
-from stereo_pick.core.images import pixels
+from stereo_pick.core.images import FULL_SCALE_16
 from stereo_pick.sources.opening import open_source
 from stereo_pick.sources.source import StereoSource
 
@@ -25,13 +25,17 @@ class RecordedPairs:
     summary: str
 
 
-def choose_pairs(path: Path, board: Board, left_topic: str = "", right_topic: str = "") -> RecordedPairs:
+def choose_pairs(
+    path: Path, board: Board, left_topic: str = "", right_topic: str = "", full_scale_16: int = FULL_SCALE_16
+) -> RecordedPairs:
     """Look through a bag (or folder of pairs) and choose the sharp views that are unlike each other.
 
     The recording is read as a stream: what is kept are the images of the chosen views. Raises SourceError and
     ImageError as its source does, CalibrationError where no pair shows the board or the images differ in size.
     """
-    source = open_source(path, left_topic=left_topic, right_topic=right_topic, uses_camera_info=False)
+    source = open_source(
+        path, left_topic=left_topic, right_topic=right_topic, uses_camera_info=False, full_scale_16=full_scale_16
+    )
     collector = Collector(board)
     for pair in progress(timed_pairs(source), source.count, "pairs"):
         collector.look(pair)
@@ -49,5 +53,5 @@ def timed_pairs(source: StereoSource) -> Iterator[BoardImages]:
     for pair in source:
         start_ns = pair.stamp_ns if start_ns is None else start_ns
         if pace.takes(pair.stamp_ns):
-            left, right = grey(pixels(pair.left, what="left image")), grey(pixels(pair.right, what="right image"))
+            left, right = (grey(image) for image in pair.images())
             yield timed_pair((pair.stamp_ns - start_ns) / 1e9, left, right)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TextIO
 
 from stereo_pick.cli.locate import rig_fault_of
-from stereo_pick.cli.options import add_pipeline_options, pipeline_values
+from stereo_pick.cli.options import add_depth_option, add_pipeline_options, pipeline_values
 from stereo_pick.cli.positioning import add_positioning_options, positioning_of
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.report import result_mapping
@@ -18,7 +18,6 @@ from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.configuration import steps
 from stereo_pick.core.errors import CalibrationError, ImageError, SourceError
 from stereo_pick.core.frames import StereoFrame
-from stereo_pick.core.images import pixels
 from stereo_pick.core.pipeline import Pipeline, Result
 from stereo_pick.core.refusal import REASONS
 from stereo_pick.core.rig import StereoRig
@@ -79,6 +78,7 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
         "--left-topic", default="", metavar="TOPIC", help="the bag's left images (default: by its name)"
     )
     parser.add_argument("--right-topic", default="", metavar="TOPIC", help="the bag's right images")
+    add_depth_option(parser)
     parser.add_argument(
         "--max-stamp-offset",
         type=float,
@@ -118,6 +118,7 @@ def opened_source(args: argparse.Namespace) -> StereoSource:
         right_topic=args.right_topic,
         max_stamp_offset_s=args.max_stamp_offset,
         uses_camera_info=args.calibration is None,
+        full_scale_16=args.full_scale_16,
     )
 
 
@@ -144,8 +145,7 @@ def _results(pipeline: Pipeline, source: StereoSource) -> Iterator[tuple[SourceP
     for pair in source:
         pairs += 1
         pipeline.positioning.check(pipeline.rig, pair.left_frame_id)
-        left, right = pixels(pair.left, what="left image"), pixels(pair.right, what="right image")
-        result = pipeline.run(StereoFrame(left, right, pair.stamp_ns))
+        result = pipeline.run(StereoFrame(*pair.images(), pair.stamp_ns))
         located += len(result.poses)
         faults += [fault] if (fault := rig_fault_of(result)) else []
         notice = result.correspondences.notice or notice

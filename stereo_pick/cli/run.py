@@ -86,7 +86,9 @@ def run(args: argparse.Namespace) -> int:
     capture["max_stamp_offset_s"] = args.max_stamp_offset
     if args.calibration is not None:
         capture["calibration"] = str(args.calibration)
-    outcome = run_chain(capture, {**pipeline_values(args), **files}, LiveTable().show, one_process=args.one_process)
+    capture |= (depth := {"full_scale_16": args.full_scale_16})
+    values = {**pipeline_values(args), **files, **depth}
+    outcome = run_chain(capture, values, LiveTable().show, one_process=args.one_process)
     print(f"{outcome.arrays} pose arrays received" + ("" if args.loop else f" for {outcome.pairs} pairs"))
     if not args.loop and not outcome.stopped:
         for warning in filter(None, (without_partner(source, outcome.pairs), _lost(outcome, args.rate))):
@@ -142,6 +144,7 @@ def _complain(error: str) -> None:
 def _start_downstream(chain: Chain, monitor: Monitor, values: Mapping[str, Value], stop: threading.Event) -> None:
     """Start what listens before what speaks: images are best effort, and nobody repeats them."""
     groups = {
+        "rectification": {"full_scale_16"},
         "correspondence": {"method", *declared(correspondence_groups())},
         "triangulation": {*FILE_PARAMETERS, *declared(triangulation_groups())},
     }

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from stereo_pick.core.arrays import Image, frozen
 from stereo_pick.core.errors import ImageError, ParameterError
 
+FULL_SCALE_16 = 65535
 Bytes: TypeAlias = "bytes | bytearray | memoryview | array[int] | NDArray[np.uint8]"
 
 
@@ -52,7 +53,7 @@ class ImageBuffer:
     data: Bytes
 
 
-def pixels(buffer: ImageBuffer, full_scale_16: int = 65535, what: str = "image") -> Image:
+def pixels(buffer: ImageBuffer, full_scale_16: int = FULL_SCALE_16, what: str = "image") -> Image:
     """Decode to a read-only grey (H, W) or BGR (H, W, 3) uint8 image; a view of the data where that is possible.
 
     full_scale_16: the 16-bit value that becomes 255 (4095 for a 12-bit camera); higher ones become 255 too.
@@ -80,11 +81,12 @@ def encode(image: Image) -> ImageBuffer:
     return ImageBuffer(width, height, width * channels, encoding, False, image.tobytes())
 
 
-def decode_compressed(data: Bytes, what: str) -> Image:
+def decode_compressed(data: Bytes, what: str, full_scale_16: int = FULL_SCALE_16) -> Image:
     """Decode a PNG, JPEG or any other file that OpenCV knows to grey (H, W) or BGR (H, W, 3), read-only.
 
-    16-bit images are scaled to 8 bit (65535 becomes 255), alpha is dropped, Exif rotation is ignored.
-    Raises ImageError, naming `what`, on data that is no image, cut short, or neither 8 nor 16 bit deep.
+    16-bit images are scaled to 8 bit (full_scale_16 becomes 255), alpha is dropped, Exif rotation is ignored.
+    Raises ImageError, naming `what`, on data that is no image, cut short, or neither 8 nor 16 bit deep;
+    ParameterError on a full scale outside 1 .. 65535.
     """
     encoded = np.frombuffer(data, np.uint8)
     if len(encoded) == 0:
@@ -95,10 +97,10 @@ def decode_compressed(data: Bytes, what: str) -> Image:
         decoded = None
     if decoded is None or _is_cut_jpeg(encoded):
         raise ImageError(f"{what} is no image, damaged or cut short ({len(encoded)} bytes): copy or record it again")
-    return _eight_bit_bgr(np.asarray(decoded), what)
+    return _eight_bit_bgr(np.asarray(decoded), what, full_scale_16)
 
 
-def read_image(path: Path) -> Image:
+def read_image(path: Path, full_scale_16: int = FULL_SCALE_16) -> Image:
     """Read an image file as `decode_compressed` does; raises ImageError naming the path."""
     try:
         data = path.read_bytes()
@@ -106,7 +108,7 @@ def read_image(path: Path) -> Image:
         raise ImageError(f"{path}: no such image file; check the path") from None
     except OSError as error:
         raise ImageError(f"{path} cannot be read: {error.strerror}") from None
-    return decode_compressed(data, str(path))
+    return decode_compressed(data, str(path), full_scale_16)
 
 
 def _encoding(buffer: ImageBuffer, what: str) -> _Encoding:
@@ -140,14 +142,14 @@ def _rows(buffer: ImageBuffer, encoding: _Encoding, what: str) -> Image:
 
 
 def _shallow(deep: NDArray[np.uint16], full_scale: int) -> Image:
-    if not 0 < full_scale <= 65535:
+    if not 0 < full_scale <= FULL_SCALE_16:
         raise ParameterError(f"full_scale_16 = {full_scale} is outside its range 1 .. 65535")
     return frozen(np.asarray(cv2.convertScaleAbs(deep, alpha=255 / full_scale), np.uint8))
 
 
-def _eight_bit_bgr(decoded: NDArray[Any], what: str) -> Image:
+def _eight_bit_bgr(decoded: NDArray[Any], what: str, full_scale_16: int) -> Image:
     if decoded.dtype == np.uint16:
-        decoded = _shallow(np.asarray(decoded, np.uint16), 65535)
+        decoded = _shallow(np.asarray(decoded, np.uint16), full_scale_16)
     if decoded.dtype != np.uint8:
         raise ImageError(f"{what} holds {decoded.dtype} values: save it with 8 or 16 bits a channel")
     if decoded.ndim == 3 and decoded.shape[2] == 4:

@@ -11,7 +11,7 @@ from sensor_msgs.msg import Image
 
 from stereo_pick.core.arrays import Image as Pixels
 from stereo_pick.core.errors import ImageError
-from stereo_pick.core.images import pixels
+from stereo_pick.core.images import FULL_SCALE_16, pixels
 from stereo_pick.core.pairing import NOT_STAMPED, Pair, PairingCounts, Side, StampPairer
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
@@ -33,7 +33,10 @@ class RawImageOptions(Configurable):
         0.01, "By how much the stamps of a left and a right image may differ.", low=0.0, high=1.0
     )
     full_scale_16: int = parameter(
-        65535, "Value of a 16-bit image that becomes white; 4095 for a 12-bit camera.", low=1, high=65535
+        FULL_SCALE_16,
+        "Value of a 16-bit image that becomes white; 4095 for a 12-bit camera.",
+        low=1,
+        high=FULL_SCALE_16,
     )
 
     def read(self, pair: Pair[Image]) -> tuple[Pixels, Pixels]:

@@ -13,7 +13,7 @@ from rosbags.interfaces import TopicInfo
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ParameterError, SourceError
-from stereo_pick.core.images import ImageBuffer, decode_compressed, encode
+from stereo_pick.core.images import FULL_SCALE_16, ImageBuffer, decode_compressed, encode
 from stereo_pick.core.pairing import NOT_STAMPED, Pair, Side, StampPairer
 from stereo_pick.sources.bag_reader import Recorded, messages, opened
 from stereo_pick.sources.bag_topics import COMPRESSED_TYPE, camera_info_topic, choose_topics
@@ -28,6 +28,7 @@ class BagSource:
 
     count: how many images there are of the camera that has more. The bag is read as a stream, anew at each iteration.
     uses_camera_info: whether its pairs are rectified by its own `cameras`, so that another calibration midway is wrong.
+    full_scale_16: the value of a 16-bit image that is white.
     """
 
     path: Path
@@ -36,6 +37,7 @@ class BagSource:
     max_stamp_offset_s: float
     count: int
     uses_camera_info: bool = True
+    full_scale_16: int = FULL_SCALE_16
 
     @staticmethod
     def open(
@@ -44,6 +46,7 @@ class BagSource:
         right_topic: str = "",
         max_stamp_offset_s: float = 0.01,
         uses_camera_info: bool = True,
+        full_scale_16: int = FULL_SCALE_16,
     ) -> BagSource:
         """Find the image topics (by their names, where they are not given) of the bag at `path`.
 
@@ -62,7 +65,7 @@ class BagSource:
         except SourceError as error:
             raise SourceError(f"{path}: {error}") from None
         count = max(topics[left_topic].msgcount, topics[right_topic].msgcount)
-        return BagSource(path, left_topic, right_topic, max_stamp_offset_s, count, uses_camera_info)
+        return BagSource(path, left_topic, right_topic, max_stamp_offset_s, count, uses_camera_info, full_scale_16)
 
     @property
     def has_stamps(self) -> bool:
@@ -95,16 +98,27 @@ class BagSource:
                     side: Side = "left" if recorded.topic == self.left_topic else "right"
                     if recorded.stamp_ns == 0:
                         raise SourceError(f"{self.path}: {recorded.topic}: {NOT_STAMPED}")
-                    yield from map(_source_pair, pairer.add(side, recorded.stamp_ns, recorded))
+                    yield from map(self._source_pair, pairer.add(side, recorded.stamp_ns, recorded))
             except SourceError as error:
                 damage = error
-        yield from map(_source_pair, pairer.flush())
+        yield from map(self._source_pair, pairer.flush())
         if damage is not None:
             raise damage
         if pairer.counts.pairs == 0:
             raise SourceError(
                 f"{self.path}: no stereo pair in {self.left_topic} and {self.right_topic}: {pairer.explain()}"
             )
+
+    def _source_pair(self, pair: Pair[Recorded]) -> SourcePair:
+        return SourcePair(
+            _buffer(pair.left, self.full_scale_16),
+            _buffer(pair.right, self.full_scale_16),
+            pair.left_stamp_ns,
+            max(pair.left.recorded_ns, pair.right.recorded_ns),
+            pair.left.message.header.frame_id,
+            pair.right.message.header.frame_id,
+            self.full_scale_16,
+        )
 
     def _images(self, reader: AnyReader) -> Iterator[Recorded]:
         """The images, up to where the calibration they are used with no longer holds: SourceError."""
@@ -136,17 +150,11 @@ def _check_images(topics: Mapping[str, TopicInfo], left: str, right: str) -> Non
             raise SourceError(f"{topic} has no images, {other} {count}: was its camera running? Record again")
 
 
-def _source_pair(pair: Pair[Recorded]) -> SourcePair:
-    recorded_ns = max(pair.left.recorded_ns, pair.right.recorded_ns)
-    frame_ids = pair.left.message.header.frame_id, pair.right.message.header.frame_id
-    return SourcePair(_buffer(pair.left), _buffer(pair.right), pair.left_stamp_ns, recorded_ns, *frame_ids)
-
-
-def _buffer(recorded: Recorded) -> ImageBuffer:
+def _buffer(recorded: Recorded, full_scale_16: int) -> ImageBuffer:
     message = recorded.message
     if recorded.type == COMPRESSED_TYPE:
         what = f"{recorded.topic} image of stamp {recorded.stamp_ns / 1e9:.3f} s"
-        return encode(decode_compressed(message.data, what))
+        return encode(decode_compressed(message.data, what, full_scale_16))
     return ImageBuffer(
         message.width, message.height, message.step, message.encoding, bool(message.is_bigendian), message.data
     )

@@ -16,7 +16,7 @@ from pathlib import Path
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ParameterError, SourceError
-from stereo_pick.core.images import encode, read_image
+from stereo_pick.core.images import FULL_SCALE_16, encode, read_image
 from stereo_pick.sources.source import SourcePair
 
 _SUFFIXES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm"}
@@ -33,13 +33,17 @@ Views = dict[str, dict[str, Path]]
 
 @dataclass(frozen=True)
 class ImageFolder:
-    """Image pairs of a folder in natural order; the i-th has the stamp i / rate_hz, the first 0."""
+    """Image pairs of a folder in natural order; the i-th has the stamp i / rate_hz, the first 0.
+
+    full_scale_16: the value of a 16-bit image that is white.
+    """
 
     pairs: tuple[tuple[Path, Path], ...]
     rate_hz: float
+    full_scale_16: int = FULL_SCALE_16
 
     @staticmethod
-    def open(path: Path, rate_hz: float = 10.0) -> ImageFolder:
+    def open(path: Path, rate_hz: float = 10.0, full_scale_16: int = FULL_SCALE_16) -> ImageFolder:
         """Find the pairs in `path` and below it.
 
         Raises SourceError on a folder without pairs, an image without partner or two of one name;
@@ -51,7 +55,7 @@ class ImageFolder:
             raise SourceError(f"{path}: no such folder of image pairs; check the path")
         views = _views(path)
         names = sorted(views["left"].keys() | views["right"].keys(), key=_natural)
-        return ImageFolder(tuple(_pair(views, name) for name in names), rate_hz)
+        return ImageFolder(tuple(_pair(views, name) for name in names), rate_hz, full_scale_16)
 
     @property
     def count(self) -> int:
@@ -71,7 +75,7 @@ class ImageFolder:
     def __iter__(self) -> Iterator[SourcePair]:
         """Yield the pairs; raises ImageError on a file that is no image, SourceError on two sizes in one pair."""
         for index, (left_path, right_path) in enumerate(self.pairs):
-            left, right = read_image(left_path), read_image(right_path)
+            left, right = (read_image(path, self.full_scale_16) for path in (left_path, right_path))
             if left.shape[:2] != right.shape[:2]:
                 raise SourceError(
                     f"{left_path} is {_size(left)}, but {right_path} is {_size(right)}: both must have one size"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from stereo_pick.core.errors import SourceError
+from stereo_pick.core.images import FULL_SCALE_16
 from stereo_pick.sources.source import StereoSource
 
 BAG_SUFFIXES = (".mcap", ".db3", ".bag")
@@ -18,11 +19,13 @@ def open_source(
     max_stamp_offset_s: float = 0.01,
     rate_hz: float = 10.0,
     uses_camera_info: bool = True,
+    full_scale_16: int = FULL_SCALE_16,
 ) -> StereoSource:
     """Open a bag (mcap, sqlite3, ROS 1) or a folder of image pairs, whichever `path` is.
 
     The topics (found by their names where not given), the stamp offset and whether the calibration is the recorded one
-    (so that it must not change midway) concern bags, the rate folders.
+    (so that it must not change midway) concern bags, the rate folders. full_scale_16: the value of a 16-bit image that
+    is white.
     Raises SourceError where there are no stereo pairs, ParameterError on an offset or rate out of range.
     """
     if not path.exists():
@@ -30,11 +33,11 @@ def open_source(
     if _is_bag(path):  # imported here, because a folder should not wait for rosbags to load
         from stereo_pick.sources.bag import BagSource
 
-        return BagSource.open(path, left_topic, right_topic, max_stamp_offset_s, uses_camera_info)
+        return BagSource.open(path, left_topic, right_topic, max_stamp_offset_s, uses_camera_info, full_scale_16)
     if path.is_dir():
         from stereo_pick.sources.images import ImageFolder
 
-        return ImageFolder.open(path, rate_hz)
+        return ImageFolder.open(path, rate_hz, full_scale_16)
     raise SourceError(f"{path} is no bag ({', '.join(BAG_SUFFIXES)}) and no folder of image pairs")
 
 

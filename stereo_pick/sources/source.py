@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
+from stereo_pick.core.arrays import Image
 from stereo_pick.core.camera import Camera
-from stereo_pick.core.images import ImageBuffer
+from stereo_pick.core.images import FULL_SCALE_16, ImageBuffer, pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,6 +16,7 @@ class SourcePair:
     """A raw pair. stamp_ns: when the left image was taken; recorded_ns: when the pair was complete [ns].
 
     left_frame_id, right_frame_id: the frames that were recorded with the images; empty where none were.
+    full_scale_16: the value of a 16-bit image that is white.
     """
 
     left: ImageBuffer
@@ -23,6 +25,12 @@ class SourcePair:
     recorded_ns: int
     left_frame_id: str = ""
     right_frame_id: str = ""
+    full_scale_16: int = FULL_SCALE_16
+
+    def images(self) -> tuple[Image, Image]:
+        """Left and right decoded, 8 bit, grey (H, W) or BGR (H, W, 3); raises ImageError naming the side."""
+        left = pixels(self.left, self.full_scale_16, "left image")
+        return left, pixels(self.right, self.full_scale_16, "right image")
 
 
 class StereoSource(Protocol):

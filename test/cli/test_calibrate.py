@@ -35,10 +35,10 @@ def run(*arguments: str) -> int:
     return int(args.run(args))
 
 
-def run_on(folder: Path, left: str, right: str, board: str = "7x5", square: str = "0.03") -> int:
+def run_on(folder: Path, left: str, right: str, board: str = "7x5", square: str = "0.03", depth: str = "65535") -> int:
     return run(
         *("--left", str(folder / left), "--right", str(folder / right)),
-        *("--board", board, "--square", square, "--output", str(folder / "rig")),
+        *("--board", board, "--square", square, "--output", str(folder / "rig"), "--full-scale-16", depth),
     )
 
 
@@ -81,6 +81,15 @@ def test_writes_the_rig_and_reports_it(images: Path, capsys: pytest.CaptureFixtu
     for word in ("9 of 9 used", "findChessboardCorners", "px", "mm", "deg", "verdict", "left.yaml", "stereo.yaml"):
         assert word in printed.out
     assert printed.err == ""
+
+
+def test_images_of_a_12_bit_camera_give_the_same_rig(images: Path, tmp_path: Path) -> None:
+    deep = tmp_path / "deep"
+    deep.mkdir()
+    for file in images.glob("*.png"):
+        cv2.imwrite(str(deep / file.name), cv2.imread(str(file), cv2.IMREAD_UNCHANGED).astype(np.uint16) * 16)
+    assert run_on(images, "left*.png", "right*.png") == run_on(deep, "left*.png", "right*.png", depth="4080") == 0
+    assert (images / "rig" / "stereo.yaml").read_text() == (deep / "rig" / "stereo.yaml").read_text()
 
 
 def test_same_images_on_both_sides_are_refused(images: Path) -> None:

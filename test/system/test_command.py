@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 import pytest
 from recordings import DEMO_RIG, Recording, demo_pairs, write_images
-from ros_tools import System, environment, reserved_domain, slowness, stereo_pick
+from ros_tools import System, environment, reserved_domain, slowness, stereo_pick, stereo_pick_here
 from rosbags.highlevel import AnyReader
 
 from stereo_pick.cli import demo
@@ -23,6 +23,7 @@ from stereo_pick.cli.run import Outcome
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.confidence import within
 from stereo_pick.core.correspondence.extent import KINDS
+from stereo_pick.core.images import ImageBuffer
 from stereo_pick.core.refusal import REASONS
 
 RIG = load_rig(DEMO_RIG)
@@ -146,6 +147,32 @@ def test_replay_takes_a_folder_and_another_method(images: Path, bag: Path) -> No
     assert {line["method"] for line in parsed[0]} == {"ssd"}
 
 
+def deep(view: Any) -> Any:
+    """The same picture as a camera of 12 bits takes it: in 16 bits, white is 4080."""
+    return view.astype("<u2") * 16
+
+
+def deep_bag(path: Path) -> Path:
+    pairs = [
+        [ImageBuffer(640, 480, 1280, "mono16", False, deep(view).tobytes()) for view in p] for p in demo_pairs(COUNT)
+    ]
+    return Recording.of(RIG, *[(left, right) for left, right in pairs]).write(path)
+
+
+def test_images_of_a_12_bit_camera_give_the_same(images: Path, offline: list[dict[str, Any]], tmp_path: Path) -> None:
+    folder = write_images(tmp_path / "deep", [(deep(left), deep(right)) for left, right in demo_pairs(COUNT)])
+    bag = deep_bag(tmp_path / "bag")
+    files, calibration = [folder / "left01.png", folder / "right01.png"], ("--calibration", DEMO_RIG)
+    located = stereo_pick_here("locate", *files, *calibration, "--json", "--full-scale-16", "4080")
+    assert json.loads(located.stdout)["objects"] == json.loads(locate(images, 1, "--json"))["objects"]
+    replayed = stereo_pick_here("replay", bag, "--full-scale-16", "4080")
+    assert [json.loads(line) for line in replayed.stdout.splitlines()] == offline
+    replayed = stereo_pick_here("replay", folder, *calibration, "--full-scale-16", "4080")
+    assert replayed.stdout == stereo_pick_here("replay", images, *calibration).stdout
+    wrong = stereo_pick_here("locate", *files, *calibration, "--full-scale-16", "0")
+    assert "full_scale_16 = 0 is outside its range 1 .. 65535" in wrong.error
+
+
 def shown(output: str) -> list[tuple[float, list[list[float]]]]:
     """The stamp and the positions [mm] of each line that `run` prints."""
     found = []
@@ -169,9 +196,10 @@ def check_shown(lines: Sequence[Any], offline: Sequence[dict[str, Any]]) -> None
 
 
 def test_run_shows_every_pair_and_ends_with_the_recording(
-    bag: Path, offline: list[dict[str, Any]], system: System
+    offline: list[dict[str, Any]], system: System, tmp_path: Path
 ) -> None:
-    child = system.start_command("run", "--source", str(bag), "--rate", "0.2")
+    bag = deep_bag(tmp_path / "bag")
+    child = system.start_command("run", "--source", str(bag), "--rate", "0.2", "--full-scale-16", "4080")
     assert child.wait() == 0
     lines = shown(child.output)
     check_shown(lines, offline)

@@ -13,6 +13,7 @@ import pytest
 from recordings import DEMO_BAG
 from ros_tools import ROOT, System
 
+from stereo_pick.ros import executables
 from stereo_pick.ros.topics import IMAGE_RAW, OBJECT_POSES
 
 LAUNCH = ROOT / "launch" / "stereo_pick.launch.py"
@@ -52,7 +53,9 @@ def test_every_node_that_it_starts_is_installed() -> None:
     installed = config["options.entry_points"]["console_scripts"]
     for name in ("capture", "rectification", "correspondence", "triangulation", "stereo_pick", "calibration"):
         assert name in _strings() or name == "calibration"
-        assert f"{name}_node = stereo_pick.ros.nodes.{name}:main" in installed
+        assert f"{name}_node = stereo_pick.ros.executables:{name}" in installed
+        assert callable(getattr(executables, name))
+        assert (ROOT / "stereo_pick" / "ros" / "nodes" / f"{name}.py").is_file()
     assert {"stereo_pick.yaml", "config"} <= _strings()
     assert (ROOT / "config" / "stereo_pick.yaml").is_file()
 

@@ -13,6 +13,7 @@ from rosgraph_msgs.msg import Clock
 
 from stereo_pick.core.configuration import configured, declared
 from stereo_pick.core.errors import ParameterError, StereoPickError
+from stereo_pick.core.images import FULL_SCALE_16
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.ros.calibration_in_use import CalibrationInUse
 from stereo_pick.ros.messages.cameras import camera_info_message
@@ -60,6 +61,14 @@ class CaptureOptions(Configurable):
     )
     folder_rate_hz: float = parameter(
         10.0, "Pairs a second of an image folder, at rate 1.", low=0.01, high=1000.0, fixed=True
+    )
+    full_scale_16: int = parameter(
+        FULL_SCALE_16,
+        "Value that is white in 16-bit files and compressed images, which are published with 8 bit; 4095 for a 12-bit "
+        "camera.",
+        low=1,
+        high=FULL_SCALE_16,
+        fixed=True,
     )
     rate: float = parameter(1.0, "Speed of the replay, 1 as it was recorded.", low=0.01, high=100.0)
     loop: bool = parameter(False, "Start over at the end.")
@@ -200,6 +209,7 @@ def _opened(options: CaptureOptions) -> StereoSource:
         max_stamp_offset_s=options.max_stamp_offset_s,
         rate_hz=options.folder_rate_hz,
         uses_camera_info=not options.calibration,
+        full_scale_16=options.full_scale_16,
     )
 
 
