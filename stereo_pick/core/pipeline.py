@@ -12,6 +12,7 @@ from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.correspondence.levelling import turn_of
 from stereo_pick.core.correspondence.rig_check import rig_fault
 from stereo_pick.core.correspondence.unseen import unseen
+from stereo_pick.core.errors import ImageError
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
 from stereo_pick.core.objects import Blobs, Detector
 from stereo_pick.core.poses import ObjectPoses, estimate_poses
@@ -46,17 +47,29 @@ class Steps:
         return blobs, self.matched(pair, blobs)
 
     def matched(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
-        """Match the objects found; refuses all where a view cannot show them or misfits the calibration."""
+        """Match the objects found; refuses all where a view cannot show them or misfits the calibration.
+
+        Raises ImageError where the arithmetic fails.
+        """
         if any(blobs.view_faults):
             return collect([], unseen(blobs, pair))
         if fault := rig_fault(blobs, pair.rig):
             return _none_of(blobs, fault)
         turn = turn_of(blobs, pair.rig)
         if turn is None:
-            return self.method.match(pair, blobs)
+            return self._match(pair, blobs)
         if turn.is_too_far:
             return _none_of(blobs, "misaligned", f"turned by {np.rad2deg(turn.angle_rad):.2f} deg")
-        return turn.told(self.method.match(*turn.undone(pair, blobs)))
+        return turn.told(self._match(*turn.undone(pair, blobs)))
+
+    def _match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
+        try:
+            return self.method.match(pair, blobs)
+        except np.linalg.LinAlgError as error:  # a fault of ours, but one pair must not end a node beside a robot
+            raise ImageError(
+                f"this pair cannot be computed ({error}), and nothing of it is published: take another one, and report "
+                "the fault with both images and the calibration"
+            ) from error
 
     def locate(self, correspondences: Correspondences, rig: StereoRig, stamp_ns: int) -> ObjectPoses:
         """Triangulate what was matched."""

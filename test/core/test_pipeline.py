@@ -14,9 +14,11 @@ from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.correspondence import Correspondences, Method
 from stereo_pick.core.correspondence.ssd import Ssd
 from stereo_pick.core.errors import ImageError
-from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.frames import RectifiedPair, StereoFrame
+from stereo_pick.core.objects import Blobs
 from stereo_pick.core.pipeline import Pipeline, Result, Steps
 from stereo_pick.core.refusal import count_reasons
 
@@ -210,3 +212,13 @@ def test_exchanged_path_traced_images_are_refused(name: str, shared_data: Path) 
     images = [cv2.imread(str(folder / name / f"{side}.png"), cv2.IMREAD_GRAYSCALE) for side in ("right", "left")]
     poses = Pipeline(rig, Steps()).run(StereoFrame(*images)).poses
     assert len(poses) == 0 and "swapped" in count_reasons(poses.refused)
+
+
+class _Fails(Method):
+    def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
+        raise np.linalg.LinAlgError("Singular matrix")
+
+
+def test_arithmetic_that_fails_is_told_and_publishes_nothing() -> None:
+    with pytest.raises(ImageError, match=r"cannot be computed \(Singular matrix\), and nothing of it is published"):
+        located("parallel", frame_of("parallel"), Steps(method=_Fails()))

@@ -84,7 +84,9 @@ class _Polygon(NamedTuple):
         seen = placed.reshape(horizon.shape) + start
         corners = seen[..., :2] / seen[..., 2:]
         way = corners[:, :, _NEXT] - corners
-        turn = np.sign(dot(corners, _outward(way)).sum(axis=2))  # of twice the area
+        twice_area = dot(corners, _outward(way)).sum(axis=2)
+        # Not 0 where a camera within a solid sees it as a line: without normals nothing would be off it.
+        turn = np.copysign(1.0, twice_area)
         normals = _outward(way) * (turn[..., None] / (np.sqrt(dot(way, way)) + _TINY))[..., None]
         return _Polygon(horizon, corners, way, normals)
 

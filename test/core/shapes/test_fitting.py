@@ -15,6 +15,9 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, centroid_px, fit_solid, fit_solids
 from stereo_pick.core.shapes import kinds as shapes
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
+from stereo_pick.core.shapes.refinement import fitted
+from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
 RIG = RIGS["verged"]
@@ -220,3 +223,15 @@ def test_whatever_part_of_an_outline_is_trusted_a_solid_comes_out(kind: str, tab
     for each in shapes.KINDS.values():
         found = nearest_of_kind(fit_for, RIG, each, table)
         assert all(np.isfinite(solid.centre_m).all() and np.isfinite(misfit) for solid, misfit in found.values())
+
+
+@pytest.mark.parametrize("kind", [shapes.SPHERE, shapes.CYLINDER, shapes.TUBE, shapes.BOX, shapes.HEX_PRISM])
+def test_what_a_camera_is_within_is_no_solid_that_fits(kind: shapes.Kind) -> None:
+    """It has no silhouette; to take that for one without any error would make it the best of all."""
+    part = Part("cylinder", np.array([0.06, 0.02, 0.5]), UPRIGHT, np.array([0.02, 0.03]))
+    rng = np.random.default_rng(0)
+    centre_m, half_m = rng.uniform(-0.15, 0.15, (60, 3)) + [0, 0, 0.1], np.full((60, kind.sizes), 0.5)
+    rotations = np.array([rotation(rng.normal(size=3) * 2) for _ in range(60)])
+    sight = Sight.of([outlines_of(part, RIG)] * 60, RIG)
+    around = fitted(sight, Solids(kind, centre_m, rotations, half_m, np.zeros((60, 3, 0))))
+    assert np.abs(around.residual_px).max(axis=1).min() > 20
