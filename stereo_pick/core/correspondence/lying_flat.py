@@ -33,6 +33,7 @@ from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.surface import entered
 from stereo_pick.core.shapes.table import Table
 
 _WIDTH_PX = 640  # of the reduced views, as all pixels here
@@ -41,6 +42,8 @@ _PLACED_PX = 0.05  # sigma that the edges in a window promise: rectified noise i
 _ALIKE = 0.7  # correlation
 _SIGMAS = 3.0
 _CLEAR_PX = _SIDE_PX / 2 + 2  # from the solids
+_WITHIN_PX = _CLEAR_PX  # a solid's outline
+_RISES_PX = 1.0  # of disparity, above what is open of the table's, that tells a surface from it
 _LEAST = 8  # windows
 _MOST = 0.9  # of them
 _LOW = 0.1  # of its length, that is no height
@@ -49,10 +52,12 @@ _TINY = 1e-9
 
 class _Seen(NamedTuple):
     """Windows that show edges, N of them. left, right: their middles (N, 2), where the table puts them in the right
-    view; lies: which of them (N,) show the table; view: that of the left camera, of a scale."""
+    view; open_px: by how much their disparity (N,) may differ from the table's; lies: which of them (N,) show it; view:
+    that of the left camera, of a scale."""
 
     left: Floats
     right: Floats
+    open_px: Floats
     lies: Bools
     view: Grey
     scale: float
@@ -80,6 +85,11 @@ class WarpedViews:
         is_known = bool(_SIGMAS * self.table.sigma_m < _LOW * length_m)
         return is_known and self.is_all_of(outline, solids)
 
+    def shows_through(self, fit: SolidFit) -> bool:
+        """Whether the table is seen where a solid would hide it from both cameras: there is none."""
+        hidden = self._hidden_by(fit)
+        return int(hidden.sum()) >= _LEAST and float(self._seen.lies[hidden].mean()) > _MOST
+
     def rising(self, outline: Blob, solids: Sequence[SolidFit]) -> list[Floats]:
         """Hulls (K, 2) [px] of what an outline in the left view shows clear of the solids that is not on the table."""
         seen = self._seen
@@ -101,6 +111,20 @@ class WarpedViews:
             rest &= self._clear_of(fit)
         return rest
 
+    def _hidden_by(self, fit: SolidFit) -> Bools:
+        """Which windows (N,) lie well within the outlines of a solid, the table clearly behind its surface there."""
+        seen, rig = self._seen, self.pair.rig
+        sides = zip((seen.left, seen.right), (rig.left, rig.right), fit.silhouettes(rig))
+        left, right = (_within_px(*side, seen.scale) > _WITHIN_PX for side in sides)
+        hidden = np.asarray(left & right, np.bool_)
+        places = normalized(_at_full_size(seen.left[hidden], seen.scale), rig.left)
+        depth_m = entered(fit, rig.eyes_m[0], np.c_[places, np.ones(len(places))])
+        apart_px = rig.left.P[0, 2] - rig.right.P[0, 2]
+        surface_px = seen.scale * (rig.focal_px * rig.baseline_m / depth_m + apart_px)
+        table_px = (seen.left - seen.right)[hidden, 0]
+        hidden[hidden] = surface_px - table_px > _RISES_PX + 2 * seen.open_px[hidden]
+        return hidden
+
     @cached_property
     def _clear(self) -> dict[SolidFit, Bools]:
         return {}
@@ -110,8 +134,8 @@ class WarpedViews:
         if fit not in self._clear:
             seen, rig = self._seen, self.pair.rig
             sides = zip((seen.left, seen.right), (rig.left, rig.right), fit.silhouettes(rig))
-            left, right = (_are_clear(*side, seen.scale) for side in sides)
-            self._clear[fit] = left & right
+            left, right = (_within_px(*side, seen.scale) < -_CLEAR_PX for side in sides)
+            self._clear[fit] = np.asarray(left & right, np.bool_)
         return self._clear[fit]
 
     @cached_property
@@ -126,17 +150,17 @@ class WarpedViews:
         windows = Windows(centre_px, np.c_[centre_px, np.ones(len(centre_px))] @ plane)
         off_px, sigma_px, alike = off_plane(left, right, plane, windows, (_SIDE_PX, _SIDE_PX))
         known_px = np.hypot(sigma_px, sigma_on_table_px(windows, self.table, rig, scale))
-        lies = (alike > _ALIKE) & (np.abs(off_px) < _SIGMAS * known_px)
+        open_px = _SIGMAS * np.asarray(known_px, np.float64)
+        lies = (alike > _ALIKE) & (np.abs(off_px) < open_px)
         there_px = windows.centre_px - np.c_[windows.disparity_px, np.zeros(len(centre_px))]
-        return _Seen(centre_px, there_px, lies, left, scale)
+        return _Seen(centre_px, there_px, open_px, lies, left, scale)
 
 
 def _at_full_size(points_px: Floats, scale: float) -> Floats:
     return (points_px + 0.5) / scale - 0.5
 
 
-def _are_clear(points_px: Floats, camera: Camera, polygon: Floats, scale: float) -> Bools:
-    """Which places (N, 2) of a reduced view are clear of a silhouette (K, 2), normalized."""
+def _within_px(points_px: Floats, camera: Camera, polygon: Floats, scale: float) -> Floats:
+    """How far (N,) places (N, 2) of a reduced view are within a silhouette (K, 2), normalized."""
     places = normalized(_at_full_size(points_px, scale), camera)
-    away_px = -inside(places[None], polygon[None])[0] * camera.P[0, 0] * scale
-    return np.asarray(away_px > _CLEAR_PX, np.bool_)
+    return np.asarray(inside(places[None], polygon[None])[0] * camera.P[0, 0] * scale)

@@ -184,12 +184,13 @@ def _pieces(images: Images, placed: Sequence[Seen], table: Table | None) -> list
 
 
 def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:
-    """Those of which no crease, and nothing else, rises from the table."""
+    """Those of which no crease, and nothing else, rises from the table, or through which it is seen."""
     fits = [each.fit for _, each in placed]
     return [
         row
         for row, each in placed
-        if not each.shows_creases and warped.is_all_of(row[0][0], [fit for fit in fits if fit is not each.fit])
+        if warped.shows_through(each.fit)
+        or (not each.shows_creases and warped.is_all_of(row[0][0], [fit for fit in fits if fit is not each.fit]))
     ]
 
 
