@@ -63,16 +63,31 @@ def test_what_may_lie_on_a_table_that_is_hardly_known_does_not_surely(sigma_m: f
     assert (warped.is_all_of(outline(100), []), warped.is_surely_all_of(outline(100), [])) == (may, surely)
 
 
-def test_beside_a_solid_that_rises_the_rest_of_a_print_lies() -> None:
-    """A ball around the disc: what is clear of it in both views is print."""
+def ball(radius_px: float) -> SolidFit:
+    """A ball in the middle of the disc."""
     ray = np.append(normalized(np.array([MIDDLE]), RIG.left)[0], 1.0)
     depth_m = TABLE.offset_m / -float(TABLE.normal @ ray)
-    size_m = 2 * (RADIUS_PX + 10) * depth_m / RIG.focal_px
-    ball = SolidFit("sphere", ray * depth_m, np.eye(3), np.full(3, size_m), 0.1, np.eye(3) * 1e-8)
+    size_m = 2 * radius_px * depth_m / RIG.focal_px
+    return SolidFit("sphere", ray * depth_m, np.eye(3), np.full(3, size_m), 0.1, np.eye(3) * 1e-8)
+
+
+def test_beside_a_solid_that_rises_the_rest_of_a_print_lies() -> None:
+    """A ball around the disc: what is clear of it in both views is print."""
     warped = WarpedViews(raised(0.01), MEASURED)
     print_ = outline(140.0)
     assert not warped.is_all_of(print_, [])
-    assert warped.is_all_of(print_, [ball])
+    assert warped.is_all_of(print_, [ball(RADIUS_PX + 10)])
+
+
+@pytest.mark.parametrize(("height_m", "through"), [(0.0, True), (0.004, False), (0.04, False)])
+def test_the_table_shows_through_what_is_no_solid(height_m: float, through: bool) -> None:
+    warped = WarpedViews(raised(height_m), MEASURED)
+    assert warped.shows_through(ball(RADIUS_PX - 5)) == through
+
+
+def test_nothing_shows_through_a_solid_where_nothing_is_seen_at_all() -> None:
+    blank = np.full((480, 640), 110, np.uint8)
+    assert not WarpedViews(RectifiedPair(blank, blank, RIG, 0), MEASURED).shows_through(ball(RADIUS_PX))
 
 
 def test_where_nothing_shows_it_is_not_known_to_lie() -> None:
