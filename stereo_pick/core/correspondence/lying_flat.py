@@ -82,11 +82,13 @@ class WarpedViews:
         ray = np.append(normalized(outline.centroid_px, camera), 1.0)
         away_m = self.table.offset_m / max(-float(self.table.normal @ ray), _TINY)
         length_m = outline.rectangle[0] * away_m / float(camera.P[0, 0])
-        is_known = bool(_SIGMAS * self.table.sigma_m < _LOW * length_m)
-        return is_known and self.is_all_of(outline, solids)
+        return self._is_known_for(length_m) and self.is_all_of(outline, solids)
 
     def shows_through(self, fit: SolidFit) -> bool:
-        """Whether the table is seen where a solid would hide it from both cameras: there is none."""
+        """Whether the table, where it is known well enough to be told from a solid's surface, is seen where the solid
+        would hide it from both cameras: there is none."""
+        if not self._is_known_for(float(fit.size_m.min())):
+            return False
         hidden = self._hidden_by(fit)
         return int(hidden.sum()) >= _LEAST and float(self._seen.lies[hidden].mean()) > _MOST
 
@@ -124,6 +126,9 @@ class WarpedViews:
         table_px = (seen.left - seen.right)[hidden, 0]
         hidden[hidden] = surface_px - table_px > _RISES_PX + 2 * seen.open_px[hidden]
         return hidden
+
+    def _is_known_for(self, length_m: float) -> bool:
+        return bool(_SIGMAS * self.table.sigma_m < _LOW * length_m)
 
     @cached_property
     def _clear(self) -> dict[SolidFit, Bools]:
