@@ -17,6 +17,7 @@ from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.common_normal import common_normal
+from stereo_pick.core.shapes.common_table import common_table
 from stereo_pick.core.shapes.faces import face_areas_px2
 from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -43,7 +44,14 @@ def prints_among(rows: Sequence[Row], rig: StereoRig, table: Table | None, is_kn
         return [row for row, _ in _without_a_table(flat, others)]
     if not is_known and 0 < len(flat) == len(rows) and _on_one_plane(flat):
         return list(rows)
-    return [each[0] for each in flat if _is_level(table, each, rig)]
+    judged_by = table if is_known else _that_others_show(rows, flat) or table
+    return [each[0] for each in flat if _is_level(judged_by, each, rig)]
+
+
+def _that_others_show(rows: Sequence[Row], flat: Sequence[Outlined]) -> Table | None:
+    """The table as those show it that stand up: what may lie on it has put it where it would stand itself."""
+    may_lie = [row for row, _ in flat]
+    return common_table([row[1].fit for row in rows if not any(row is each for each in may_lie)])
 
 
 def _without_a_table(flat: Sequence[Outlined], others: Sequence[Outlined]) -> list[Outlined]:

@@ -111,25 +111,38 @@ def test_a_table_that_is_not_known_well_does_not_show_it() -> None:
 
 def test_the_lit_top_of_a_solid_with_more_edges_is_no_label() -> None:
     """A cylinder from above: a face of it is all that is outlined, the rest is known by faint edges."""
-    part = Part("cylinder", np.array([0.1, 0.15, 0.85]), np.eye(3), np.array([0.02, 0.03]))
+    assert prints_among([from_above(0.1, 0.15, 0.88)], RIG, None, False) == []
+
+
+def from_above(x_m: float, y_m: float, foot_m: float) -> Row:
+    """A cylinder that stands at that depth, of which only the top is outlined."""
+    part = Part("cylinder", np.array([x_m, y_m, foot_m - 0.03]), np.eye(3), np.array([0.02, 0.03]))
+    return row_of(part, disc_px(part.centre_m - (0, 0, 0.03)))
+
+
+def disc_px(centre_m: Floats) -> tuple[Floats, Floats]:
+    """What both views show of a disc that faces them."""
     angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
-    top = part.centre_m + np.c_[0.02 * np.cos(angle), 0.02 * np.sin(angle), np.full(200, -0.03)]
-    left, right = (contour_px(top - eye_m, camera) for eye_m, camera in zip(RIG.eyes_m, (RIG.left, RIG.right)))
-    assert prints_among([row_of(part, (left, right))], RIG, None, False) == []
+    rim = centre_m + 0.02 * np.c_[np.cos(angle), np.sin(angle), np.zeros(200)]
+    left, right = (contour_px(rim - eye_m, camera) for eye_m, camera in zip(RIG.eyes_m, (RIG.left, RIG.right)))
+    return left, right
 
 
 def test_labels_do_not_vouch_for_a_table_of_their_own() -> None:
     """Three round ones are three balls on a plane half a diameter below."""
-    rows = []
-    for x_m in (-0.06, 0.0, 0.06):
-        part = ball(x_m)
-        angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
-        disc = part.centre_m + 0.02 * np.c_[np.cos(angle), np.sin(angle), np.zeros(200)]
-        left, right = (contour_px(disc - eye_m, camera) for eye_m, camera in zip(RIG.eyes_m, (RIG.left, RIG.right)))
-        rows.append(row_of(part, (left, right)))
+    rows = [row_of(ball(x_m), disc_px(ball(x_m).centre_m)) for x_m in (-0.06, 0.0, 0.06)]
     table = below(ball(), 0.02)
     assert prints_among(rows, RIG, table, is_known=False) == rows
     assert prints_among(rows, RIG, table, is_known=True) == []
+
+
+def test_labels_do_not_put_the_table_below_where_others_stand() -> None:
+    """The same, where two cylinders stand on what the labels lie on, and all of them were thought to stand."""
+    labels = [row_of(ball(x_m), disc_px(ball(x_m).centre_m)) for x_m in (-0.06, 0.0, 0.06)]
+    others = [from_above(x_m, 0.15, float(ball().centre_m[2])) for x_m in (-0.05, 0.12)]
+    table = Table(np.array([0.0, 0.0, -1.0]), float(ball().centre_m[2]) + 0.02, 2e-4)
+    assert prints_among([*labels, *others], RIG, table, is_known=False) == labels
+    assert prints_among([*labels, *others], RIG, table, is_known=True) == []
 
 
 def level_rows(elevation_deg: float, kind: str) -> tuple[Row, Table]:
