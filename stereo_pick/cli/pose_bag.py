@@ -27,7 +27,7 @@ _NS_PER_S = 1_000_000_000
 def write_pose_bag(source: Path, output: Path, results: Iterable[tuple[SourcePair, Result]]) -> None:
     """Write `output` (.mcap): the messages of the bag `source` as they are, and a PoseArray for every pair.
 
-    Raises SourceError where `output` exists or `source` is no rosbag2.
+    Raises SourceError where `output` exists, or `source` is no rosbag2 or has poses already.
     """
     if output.exists():
         raise SourceError(f"--output {output} exists already: remove it, or name another file")
@@ -47,6 +47,8 @@ def _copy(source: Path, writer: Writer) -> None:
     with opened(source) as reader:
         if not reader.is2:
             raise SourceError(f"{source} is a ROS 1 bag: convert it with `rosbags-convert`, or choose a .jsonl output")
+        if TOPIC in reader.topics:
+            raise SourceError(f"{source} holds {TOPIC} already: give the recording without poses, or a .jsonl output")
         copies = {
             connection.id: writer.add_connection(
                 connection.topic,

@@ -126,6 +126,9 @@ def test_replay_writes_lines_or_a_bag_with_the_poses_in_it(
         assert positions == [each["position_m"] for each in line["objects"]]
     again = stereo_pick("replay", bag, "--output", poses)
     assert f"{poses} exists already" in again.error
+    of_own = stereo_pick_here("replay", poses, "--output", tmp_path / "more.mcap")
+    assert f"{poses} holds /object_poses already: give the recording without poses" in of_own.error
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["poses.jsonl", "poses.mcap"]
 
 
 def recorded(bag: Path, without: str = "") -> list[tuple[str, int, bytes]]:

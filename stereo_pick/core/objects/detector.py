@@ -79,8 +79,14 @@ class Detector(Configurable):
     subpixel: bool = parameter(True, "Place each outline to a part of a pixel; false is the thesis's pixel mask.")
 
     def __post_init__(self) -> None:
-        """Read the background file, if it is there already; a node may still have to learn it."""
+        """Read the background file, if it is there already; a node may still have to learn it.
+
+        Raises ParameterError on a value out of its range, and on a region of interest without size.
+        """
         super().__post_init__()
+        for begin, size in (("roi_x_px", "roi_width_px"), ("roi_y_px", "roi_height_px")):
+            if getattr(self, begin) and not getattr(self, size):
+                raise ParameterError(f"{begin} = {getattr(self, begin)} needs {size}, which is 0: objects everywhere")
         if self.background_file and Path(self.background_file).exists():
             self._read_background()
 
@@ -99,7 +105,9 @@ class Detector(Configurable):
 
         With polarity = auto the way of reading them with more contrast energy (area x contrast²) wins, for both
         views together: a shadow is a weaker mark than its object. What the other way may show besides is in `others`.
+        Raises ParameterError on a region of interest outside of the images.
         """
+        self._check_region(pair.left)
         learned = self._learned if self.threshold == "background" else None
         if learned is not None:
             learned.check(pair.rig)
@@ -119,6 +127,14 @@ class Detector(Configurable):
         found = replace(found, view_faults=faults)
         others = self._others(found, left, right)
         return found if others is None else with_others(found, others)
+
+    def _check_region(self, image: Image) -> None:
+        height, width = image.shape
+        for name, begin, end in (("roi_x_px", self.roi_x_px, width), ("roi_y_px", self.roi_y_px, height)):
+            if begin >= end:
+                raise ParameterError(
+                    f"segmentation.{name} = {begin} is outside of the image, which is {width} x {height}"
+                )
 
     def _others(self, found: Blobs, left: Contrast, right: Contrast) -> Blobs | None:
         """What may be objects of the other polarity, where it was not chosen; None where a view shows nothing."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from families import staged
-from outlines import PARALLEL, Disc, discs, grey_image, pattern
+from outlines import PARALLEL, Disc, blank_pair, discs, grey_image, pattern
 from rendering import Scene, Sensor, balls, render
 from rigs import RIGS, SIZE_PX
 
 from stereo_pick.core.arrays import Floats, Image
+from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs, Detector
 from stereo_pick.core.rectification import Rectifier
@@ -248,3 +249,20 @@ def test_bright_parts_with_dark_sides_are_more_than_their_shadows() -> None:
     blobs = Detector().detect(Rectifier(scene.rig).rectify(frame))
     assert blobs.polarity == "bright"
     assert len(blobs.left) == len(blobs.right) == len(truth.objects)
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        (
+            {"roi_x_px": 640, "roi_width_px": 10},
+            "segmentation.roi_x_px = 640 is outside of the image, which is 640 x 480",
+        ),
+        ({"roi_y_px": 480, "roi_height_px": 10}, "segmentation.roi_y_px = 480 is outside of the image"),
+        ({"roi_x_px": 5}, "roi_x_px = 5 needs roi_width_px"),
+        ({"roi_y_px": 5, "roi_width_px": 9}, "roi_y_px = 5 needs roi_height_px"),
+    ],
+)
+def test_a_region_that_holds_nothing_is_refused(values: dict[str, int], says: str) -> None:
+    with pytest.raises(ParameterError, match=says):
+        Detector(**values).detect(blank_pair())
