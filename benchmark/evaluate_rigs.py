@@ -1,6 +1,6 @@
 """Prints what the package finds with rigs of all makes, each drawn at random, as Markdown.
 
-python benchmark/evaluate_rigs.py [--family NAME ...] [--seeds N] [--jobs N]
+python benchmark/evaluate_rigs.py [--family NAME ...] [--seeds N] [--cache DIR] [--jobs N]
 python benchmark/evaluate_rigs.py --jobs 2 --write docs/other_rigs.md
 """
 
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
 from statistics import fmean, median
 
 import cv2
@@ -19,30 +21,41 @@ from family_scoring import SceneScore, score
 from formatting import decimals, markdown_table, percent
 from mahalanobis import CHI2_3
 from processes import each, scene_parser
+from rendering import Truth
 from rendering.rigs import BENCH_RIGS, DISTANCES_M
+from scene_cache import kept
 
 from stereo_pick.core.configuration import steps
+from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.pipeline import Pipeline
 
 Job = tuple[str, int]
 Scored = tuple[DrawnRig, SceneScore]
 _TRIES = 20
+_SOURCES = ("drawn_rigs", "families", "staging", "parts", "placing")
 
 
 def main() -> None:
     """Print the tables, or put them into a page."""
     options = scene_parser(__doc__, default=list(FAMILIES), seeds=10).parse_args()
     jobs = [(family, seed) for family in options.family for seed in range(options.seeds)]
-    text = _report(each(jobs, scored, options.jobs), options.family, options.seeds)
+    scores = each(jobs, partial(scored, options.cache), options.jobs)
+    text = _report(scores, options.family, options.seeds)
     if options.write:
         replace_generated(options.write, text)
     else:
         print(text)
 
 
-def scored(job: Job) -> Scored:
-    """A scene of a family before a rig of its own; of rigs before which the family finds no room the next one."""
+def scored(folder: Path | None, job: Job) -> Scored:
+    """What is found of a scene of a family before a rig of its own."""
     family, seed = job
+    drawn, frame, truth = kept(folder, f"drawn_{family}_{seed}", _SOURCES, lambda: _taken(family, seed))
+    return drawn, score(family, seed, Pipeline(drawn.rig, steps({})), frame, truth)
+
+
+def _taken(family: str, seed: int) -> tuple[DrawnRig, StereoFrame, Truth]:
+    """The scene before its rig; of rigs before which the family finds no room the next one."""
     for attempt in range(_TRIES):
         drawn = drawn_rig(family, seed + 1000 * attempt)
         with _instead_of_all(drawn):
@@ -50,7 +63,7 @@ def scored(job: Job) -> Scored:
                 scene = staged(family, seed)
             except RuntimeError:
                 continue
-            return drawn, score(family, seed, Pipeline(drawn.rig, steps({})), *scene.taken())
+            return drawn, *scene.taken()
     raise RuntimeError(f"{family} {seed}: no rig has room for it")
 
 

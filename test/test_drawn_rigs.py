@@ -24,7 +24,7 @@ def test_the_table_is_where_both_cameras_see_it() -> None:
 
 def test_a_scene_is_before_its_own_rig_and_the_benchmark_s_rigs_stay() -> None:
     before = dict(BENCH_RIGS), dict(DISTANCES_M)
-    drawn, found = scored(("four_cylinders", 1))
+    drawn, found = scored(None, ("four_cylinders", 1))
     assert drawn.rig not in before[0].values()
     assert found.required == 4 and not found.missed and not len(found.ghosts_m)
     assert (dict(BENCH_RIGS), dict(DISTANCES_M)) == before

@@ -128,7 +128,9 @@ class BagSource:
         for recorded in messages(self.path, reader, *images, *infos):
             if recorded.topic in images:
                 yield recorded
-            elif first.setdefault(recorded.topic, _calibration(recorded.message)) != _calibration(recorded.message):
+                continue
+            calibration = _calibration(recorded.message)
+            if first.setdefault(recorded.topic, calibration) != calibration:
                 raise SourceError(
                     f"{self.path}: {recorded.topic} changes at stamp {recorded.stamp_ns / 1e9:.3f} s: what comes then "
                     "needs another calibration; cut the bag there, or give the calibration that holds for all of it"
