@@ -16,7 +16,7 @@ from stereo_pick.core.transform import Transform
 
 MIN_BASELINE_M = 0.001
 MAX_BASELINE_M = 5.0
-_SAME_FOCAL = 1e-4  # relative: files round
+_SAME = 1e-4  # relative: files round
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +32,10 @@ class StereoRig:
 
     def __post_init__(self) -> None:
         check_baseline(self.right_T_left)
-        left, right = self.left.P, self.right.P
-        if not np.isclose(left[1, 2], right[1, 2], rtol=1e-4) or abs(right[1, 3]) > 1e-6 * abs(right[0, 3]):
+        right = self.right.P
+        if abs(right[1, 3]) > 1e-6 * abs(right[0, 3]):
             raise CalibrationError(
-                f"left and right P do not share their rows: cy {left[1, 2]:.3f} and {right[1, 2]:.3f}, "
-                f"P[1,3] {right[1, 3]:.3f}: "
+                f"left and right P do not share their rows: P[1,3] of the right one is {right[1, 3]:.3f}: "
                 "they are not the horizontal rectification of one stereo calibration"
             )
 
@@ -89,12 +88,18 @@ def extrinsics(left: Camera, right: Camera) -> Transform:
     """`right_T_left` [m] of two camera_info: R turns both into the rectified frame, P[:,3] / f is the shift there.
 
     Raises CalibrationError where P[0,3], of the wrong camera or positive, puts the right camera left of the left one,
-    or where the focal lengths of the two P differ: one of them is wrong, and all distances would be.
+    where the left P has a shift of its own, or where the focal lengths of the two P, or the rows (of cameras one above
+    the other the columns) of their principal points, differ: one of them is wrong, and all distances would be.
     """
     if left.P[0, 3] != 0 and right.P[0, 3] == 0:
         raise CalibrationError(
             f"P[0,3] of the left camera = {left.P[0, 3]:.3f} and that of the right one is 0: left and right are "
             "swapped; exchange the two cameras, or calibrate again"
+        )
+    if left.P[:2, 3].any():
+        raise CalibrationError(
+            f"P[0,3] and P[1,3] of the left camera are {left.P[0, 3]:g} and {left.P[1, 3]:g}, must be 0: those of the "
+            "right one say where it stands, seen from the left one; is it another rig's?"
         )
     shift = np.array([right.P[0, 3] / right.P[0, 0], right.P[1, 3] / right.P[1, 1], 0.0])
     if shift[0] > MIN_BASELINE_M and shift[0] > abs(shift[1]):
@@ -103,10 +108,16 @@ def extrinsics(left: Camera, right: Camera) -> Transform:
             "exchange the two cameras, or calibrate again"
         )
     focal_px = np.array([left.P[0, 0], left.P[1, 1], right.P[0, 0], right.P[1, 1]])
-    if not np.allclose(focal_px[:2], focal_px[2:], rtol=_SAME_FOCAL):
+    if not np.allclose(focal_px[:2], focal_px[2:], rtol=_SAME):
         raise CalibrationError(
             "P of the two cameras have different focal lengths: fx {:.3f} and {:.3f}, fy {:.3f} and {:.3f}: they are "
             "not of one stereo rectification; calibrate the cameras as a stereo pair".format(*focal_px[[0, 2, 1, 3]])
+        )
+    row = 1 if abs(shift[0]) >= abs(shift[1]) else 0
+    if not np.isclose(left.P[row, 2], right.P[row, 2], rtol=_SAME):
+        raise CalibrationError(
+            f"left and right P do not share their {('columns', 'rows')[row]}: c{'xy'[row]} {left.P[row, 2]:.3f} and "
+            f"{right.P[row, 2]:.3f}: they are not of one stereo rectification; calibrate the cameras as a stereo pair"
         )
     # A file's rounded R is no rotation to the last digit: made one here, the rig survives its own camera_info.
     U, _, Vt = np.linalg.svd(right.R.T @ left.R)

@@ -119,6 +119,32 @@ def test_projections_of_different_focal_lengths_are_refused_with_both(factor: fl
         StereoRig.from_cameras(rig.left, replace(rig.right, P=P))
 
 
+def test_a_left_projection_with_a_shift_is_refused() -> None:
+    """As of the second of three cameras: the baseline would be that from the first one."""
+    rig = RIGS["parallel"]
+    P = rig.left.P.copy()
+    P[0, 3] = -35.0
+    with pytest.raises(CalibrationError, match=r"P\[0,3\] and P\[1,3\] of the left camera are -35 and 0, must be 0"):
+        StereoRig.from_cameras(replace(rig.left, P=P), rig.right)
+
+
+@pytest.mark.parametrize(("name", "row"), [("parallel", 1), ("verged", 1), ("vertical", 0)])
+@pytest.mark.parametrize("off_px", [-2.0, 0.1])
+def test_principal_points_in_different_rows_are_refused_with_both(name: str, row: int, off_px: float) -> None:
+    rig = RIGS[name]
+    across = np.diag([1.0, 1.0, 1.0]) if row else np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    left_P, right_P = rig.left.P.copy(), rig.right.P.copy()
+    if not row:  # as other programs have it: the view is not turned, and the shift is in y
+        left_P[:2, 2], right_P[:2, 2] = left_P[[1, 0], 2], right_P[[1, 0], 2]
+        right_P[:2, 3] = right_P[[1, 0], 3]
+    left, right = (replace(each, R=across @ each.R, P=P) for each, P in ((rig.left, left_P), (rig.right, right_P)))
+    if row:
+        StereoRig.from_cameras(left, right)
+    right_P[row, 2] += off_px
+    with pytest.raises(CalibrationError, match=f"c{'xy'[row]} {left_P[row, 2]:.3f} and {right_P[row, 2]:.3f}"):
+        StereoRig.from_cameras(left, replace(right, P=right_P))
+
+
 @pytest.mark.parametrize(
     ("row", "column", "value", "complaint"),
     [
