@@ -30,6 +30,7 @@ from stereo_pick.core.correspondence.window_planes import of_table, sigma_on_tab
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.objects import Blob
+from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -47,18 +48,21 @@ _RISES_PX = 1.0  # of disparity, above what is open of the table's, that tells a
 _LEAST = 8  # windows
 _MOST = 0.9  # of them
 _LOW = 0.1  # of its length, that is no height
+_END = 1 - 1e-6  # of half a length
 _TINY = 1e-9
 
 
 class _Seen(NamedTuple):
     """Windows that show edges, N of them. left, right: their middles (N, 2), where the table puts them in the right
-    view; open_px: by how much their disparity (N,) may differ from the table's; lies: which of them (N,) show it; view:
-    that of the left camera, of a scale."""
+    view; open_px: by how much their disparity (N,) may differ from the table's; lies: which of them (N,) show it;
+    itself: which (N,) show edges of their own, and not the halo, in what is uneven, of one beside them; view: that of
+    the left camera, of a scale."""
 
     left: Floats
     right: Floats
     open_px: Floats
     lies: Bools
+    itself: Bools
     view: Grey
     scale: float
 
@@ -114,17 +118,20 @@ class WarpedViews:
         return rest
 
     def _hidden_by(self, fit: SolidFit) -> Bools:
-        """Which windows (N,) lie well within the outlines of a solid, the table clearly behind its surface there."""
+        """Which windows (N,) lie well within the outlines of a solid, the table clearly behind its surface there, and
+        not in the end of what may be a tube: it stands on the table, and that is seen through it."""
         seen, rig = self._seen, self.pair.rig
         sides = zip((seen.left, seen.right), (rig.left, rig.right), fit.silhouettes(rig))
         left, right = (_within_px(*side, seen.scale) > _WITHIN_PX for side in sides)
-        hidden = np.asarray(left & right, np.bool_)
+        hidden = np.asarray(left & right & seen.itself, np.bool_)
         places = normalized(_at_full_size(seen.left[hidden], seen.scale), rig.left)
-        depth_m = entered(fit, rig.eyes_m[0], np.c_[places, np.ones(len(places))])
+        ahead = np.c_[places, np.ones(len(places))]
+        depth_m = entered(fit, rig.eyes_m[0], ahead)
         apart_px = rig.left.P[0, 2] - rig.right.P[0, 2]
         surface_px = seen.scale * (rig.focal_px * rig.baseline_m / depth_m + apart_px)
         table_px = (seen.left - seen.right)[hidden, 0]
-        hidden[hidden] = surface_px - table_px > _RISES_PX + 2 * seen.open_px[hidden]
+        is_behind = surface_px - table_px > _RISES_PX + 2 * seen.open_px[hidden]
+        hidden[hidden] = is_behind & ~_in_an_end(fit, rig.eyes_m[0] + depth_m[:, None] * ahead)
         return hidden
 
     def _is_known_for(self, length_m: float) -> bool:
@@ -148,7 +155,8 @@ class WarpedViews:
         pair, rig = self.pair, self.pair.rig
         scale = min(1.0, _WIDTH_PX / float(pair.left.shape[1]))
         left, right = uneven(pair.left, rig.left, scale), uneven(pair.right, rig.right, scale)
-        noise = noise_dn(reduced(pair.left, scale))
+        plain = reduced(pair.left, scale)
+        noise = noise_dn(plain)
         usable = (predicted_sigma_px(left, noise, _SIDE_PX, "zncc") < _PLACED_PX) & valid(rig.left, left)
         centre_px = on_grid(usable, _SIDE_PX, _SIDE_PX, _STRIDE_PX).astype(np.float64)
         plane = of_table(self.table, rig, scale)
@@ -158,7 +166,17 @@ class WarpedViews:
         open_px = _SIGMAS * np.asarray(known_px, np.float64)
         lies = (alike > _ALIKE) & (np.abs(off_px) < open_px)
         there_px = windows.centre_px - np.c_[windows.disparity_px, np.zeros(len(centre_px))]
-        return _Seen(centre_px, there_px, open_px, lies, left, scale)
+        column, row = centre_px.astype(int).T
+        itself = predicted_sigma_px(plain, noise, _SIDE_PX, "zncc")[row, column] < _PLACED_PX
+        return _Seen(centre_px, there_px, open_px, lies, itself, left, scale)
+
+
+def _in_an_end(fit: SolidFit, places_m: Floats) -> Bools:
+    """Which places (N, 3) on the surface of a solid are on the end of a cylinder."""
+    if fit.kind != CYLINDER.name:
+        return np.zeros(len(places_m), bool)
+    along_m = np.abs((places_m - fit.centre_m) @ fit.rotation[:, 2])
+    return np.asarray(along_m > _END * fit.size_m[2] / 2, np.bool_)
 
 
 def _at_full_size(points_px: Floats, scale: float) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -83,6 +85,29 @@ def test_beside_a_solid_that_rises_the_rest_of_a_print_lies() -> None:
 def test_the_table_shows_through_what_is_no_solid(height_m: float, through: bool) -> None:
     warped = WarpedViews(raised(height_m), MEASURED)
     assert warped.shows_through(ball(RADIUS_PX - 5)) == through
+
+
+def test_a_table_is_seen_through_the_end_of_a_tube() -> None:
+    """Of a cylinder that points to the camera nothing but an end is seen."""
+    there = ball(RADIUS_PX - 5)
+    towards = there.centre_m / -np.linalg.norm(there.centre_m)
+    rotation = np.linalg.svd(towards[None])[2][[1, 2, 0]].T
+    tube = replace(there, kind="cylinder", rotation=rotation * np.sign(np.linalg.det(rotation)))
+    warped = WarpedViews(raised(0.0), MEASURED)
+    assert warped.shows_through(there) and not warped.shows_through(tube)
+
+
+def test_the_halo_of_an_outline_is_no_table_behind_a_solid() -> None:
+    """Within a dark disc on the table nothing is seen, but beside its edge what is left without even light."""
+    width, height = RIG.left.frame_size
+    columns, rows = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+    off_px = np.hypot(columns - MIDDLE[0], rows - MIDDLE[1]) - RADIUS_PX
+    dark = np.clip(0.5 - off_px / 2, 0, 1).astype(np.float32)
+    at = columns_in_left(RIG, TABLE, columns, rows).astype(np.float32)
+    dark_right = cv2.remap(dark, at, rows.astype(np.float32), cv2.INTER_LINEAR)
+    noise = np.random.default_rng(0).normal(0, 0.7, (2, height, width))
+    left, right = (np.rint(200 - 180 * each + more).astype(np.uint8) for each, more in zip((dark, dark_right), noise))
+    assert not WarpedViews(RectifiedPair(left, right, RIG, 0), MEASURED).shows_through(ball(RADIUS_PX - 2))
 
 
 def test_nothing_shows_through_a_solid_where_nothing_is_seen_at_all() -> None:
