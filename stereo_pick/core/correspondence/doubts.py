@@ -102,7 +102,7 @@ def table_moved_m(fits: Sequence[SolidFit], before: Table | None, after: Table |
 
 def _may_be_longer(found: Adjusted, table: Table | None) -> bool:
     """Whether much of its edges does not show; or, without a table, some: it may go on to the end of its shadow."""
-    if found.shown < WELL_SHOWN and table is None:
+    if found.may_be_another or (found.shown < WELL_SHOWN and table is None):
         return True
     is_in_doubt = isinstance(KINDS[found.fit.kind], Prism) or found.shown < WELL_SHOWN
     return is_in_doubt and found.shown * found.creased < _WELL_SEEN

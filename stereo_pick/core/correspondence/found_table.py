@@ -20,6 +20,7 @@ from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.table import Table
 
 _TRIED_TABLES, _TRIED_PAIRS = 4, 3
+_TRIED_ON_SHADED = 8  # outlines: a table that falls from the light is worth more of a look
 _LOOKED_AT = 2  # supposed tables, more thoroughly: that takes longer
 _LEAST = 2  # objects that must stand on a table before they say more about it
 
@@ -38,13 +39,15 @@ class FoundTable(NamedTuple):
 class TableSearch:
     """images: the views; pairs: what in them may be the lit parts of the same objects, not found without a table;
     faces: thin solids that may be the lit tops of objects; flat_parts: whether parts may be as thin as a print;
-    shaded: what may be the table, of those that stand on it the likeliest first."""
+    shaded: what may be the table, of those that stand on it the likeliest first; by_outlines: whether the outlines of
+    objects may be what shows that."""
 
     images: Images
     pairs: Sequence[BlobPair]
     faces: Sequence[tuple[BlobPair, SolidFit]]
     flat_parts: bool
     shaded: Shaded
+    by_outlines: bool = False
 
     def table(self, kept: Sequence[Row]) -> FoundTable | None:
         """The table that the objects found agree on, if need be once all their own edges have put them where they are;
@@ -120,8 +123,10 @@ class TableSearch:
     def _by_shadows(self, kept: Sequence[Row], fits: Sequence[SolidFit]) -> Table | None:
         """The table that shadows show, if most objects stand on it, some of which may not be what they seem without it;
         one that was found without it among them, and no ball: these stand on any plane. Or that on which all edges show
-        another object."""
+        another object. None that an object is below, where outlines may say so: what hangs makes planes, too."""
         tables = self.shaded()
+        if self.by_outlines:
+            tables = [table for table in tables if all(table.height_m(fit.centre_m) > 0 for fit in fits)]
         for table in tables:
             if not any(stands_on(table, fit) for fit in fits if fit.kind != SPHERE.name):
                 continue
@@ -130,7 +135,7 @@ class TableSearch:
             standing = [fit for fit in several if stands_on(table, fit)]
             if 2 * len(standing) > len(several):
                 return table
-        return self._looked_at(kept, fits, tables)
+        return self._looked_at(kept, fits, tables, _TRIED_ON_SHADED, _LEAST)
 
     def _on(self, table: Table) -> OnTable:
         return OnTable(self.images, table, self.flat_parts)
@@ -144,19 +149,35 @@ class TableSearch:
                 return agreed
         return None
 
-    def _looked_at(self, kept: Sequence[Row], fits: Sequence[SolidFit], tables: Sequence[Table]) -> Table | None:
-        """The first of these tables on which all edges around something that does not stand on it show a solid."""
+    def _looked_at(
+        self,
+        kept: Sequence[Row],
+        fits: Sequence[SolidFit],
+        tables: Sequence[Table],
+        most: int = _TRIED_PAIRS,
+        least: int = 1,
+    ) -> Table | None:
+        """The first of these tables on which all edges around something that does not stand on it show a solid.
+
+        most: of the outlines, that are looked at; least: solids on it, these and others.
+        """
         for table in tables:
             standing = [fit for fit in fits if stands_on(table, fit)]
             look = LastLook(self.images.behind(standing), table, standing, [])
-            if any(look.at(blobs, standing) for blobs in self._not_on(table, kept)):
-                return table
+            on_it = list(standing)
+            for blobs in self._not_on(table, kept, most):
+                seen = look.at(blobs, on_it)
+                if seen is None:
+                    continue
+                on_it.append(seen[1].fit)
+                if len(on_it) >= least:
+                    return table
         return None
 
-    def _not_on(self, table: Table, kept: Sequence[Row]) -> list[BlobPair]:
+    def _not_on(self, table: Table, kept: Sequence[Row], most: int = _TRIED_PAIRS) -> list[BlobPair]:
         """The few outlines most worth a look of what is not known to stand on a table."""
         others = [blobs for blobs, where in kept if where.fit is None or not stands_on(table, where.fit)]
-        return [*others, *self.pairs][:_TRIED_PAIRS]
+        return [*others, *self.pairs][:most]
 
 
 def _each_once(found: Sequence[SolidFit], fits: Sequence[SolidFit]) -> list[SolidFit]:

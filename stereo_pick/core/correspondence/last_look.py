@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.carried import as_predicted, carried
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.evident import Evident
@@ -36,6 +39,7 @@ _REACH = 1.1  # lengths of the outlines from their middles, where only a part of
 _LOOKED_AT = 8  # solids for each object
 
 Seen = tuple[Row, Adjusted]
+Found = tuple[Supported, Adjusted]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +60,32 @@ class LastLook:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there
         is none, or where it is open which it is. shown: of its silhouette, as what it was taken for."""
         free = self._free_ones(self._hinted(blobs) + self._around(blobs), others)
-        evident = Evident(self.images, self.table, self.before)
-        clear = [
+        return self._best_of(blobs, others, free, self._clear_ones(blobs, free, shown), shown)
+
+    def instead(self, blobs: BlobPair, others: Sequence[SolidFit], found: Adjusted) -> tuple[Seen | None, Floats]:
+        """What shows clearly more of itself than what an object was found to be, if anything does; and how far (3,) [m]
+        from that the farthest of those is that show as much, as it may be any of them."""
+        free = self._free_ones(self._hinted(blobs) + self._around(blobs), others)
+        clear = self._clear_ones(blobs, free, found.shown)
+        another = self._best_of(blobs, others, free, clear, found.shown)
+        if another is not None and another[1].is_clear and another[1].shown > found.shown + CHANCE:
+            return another, np.zeros(3)
+        as_much = [there.fit for _, there in clear if there.shown >= found.shown and not agree(there.fit, found.fit)]
+        offs_m = [fit.centre_m - found.fit.centre_m for fit in as_much]
+        return None, max(offs_m, key=lambda off: float(off @ off), default=np.zeros(3))
+
+    def _clear_ones(self, blobs: BlobPair, free: Sequence[Found], shown: float) -> list[Found]:
+        """Those of these that are hardly anything else."""
+        return [
             one
             for one in free
-            if evident.is_clear(blobs, *one, _most_shown([each for each in free if each is not one], shown))
+            if self._evident.is_clear(blobs, *one, _most_shown([each for each in free if each is not one], shown))
         ]
+
+    def _best_of(
+        self, blobs: BlobPair, others: Sequence[SolidFit], free: Sequence[Found], clear: Sequence[Found], shown: float
+    ) -> Seen | None:
+        """The best of those that are clear, if it is not open which it is."""
         if not clear:
             return None
         (first, there), *rest = [one for one in clear if one[1].shows_creases] or clear
@@ -69,7 +93,7 @@ class LastLook:
         longer = self.images.longer(first.fit.solid, self.table)
         if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
             beyond = self._free(longer, others) if longer.is_exact else None
-            if beyond is None or not evident.is_clear(blobs, longer, beyond, _most_shown(free, shown)):
+            if beyond is None or not self._evident.is_clear(blobs, longer, beyond, _most_shown(free, shown)):
                 rivals.append(longer)
             else:
                 first, there = longer, beyond
@@ -88,14 +112,18 @@ class LastLook:
         (blobs, where), there = found
         return (as_predicted(unread, blobs, there.fit, self.images.rig), where), there
 
+    @property
+    def _evident(self) -> Evident:
+        return Evident(self.images, self.table, self.before)
+
     def _hinted(self, blobs: BlobPair) -> list[Solids]:
         """What an object's outlines hint at, with and without what is another's."""
         several = dict.fromkeys([clear_of(blobs, self.images), blobs])
         return [each for one in several for each in standing_candidates(self.images, convex_outlines(one), self.table)]
 
-    def _free_ones(self, candidates: Sequence[Solids], others: Sequence[SolidFit]) -> list[tuple[Supported, Adjusted]]:
+    def _free_ones(self, candidates: Sequence[Solids], others: Sequence[SolidFit]) -> list[Found]:
         """The best of these, each another one, that lie on edges where there is room, and where all edges put them."""
-        found: list[tuple[Supported, Adjusted]] = []
+        found: list[Found] = []
         for each in nearly(self.images, candidates, self.table):
             if len(found) == _LOOKED_AT:
                 break
@@ -128,7 +156,7 @@ class LastLook:
         return solids_around(images.maps, images.rig, self.table, places_px, reach_px, known.cover if known else None)
 
 
-def _most_shown(several: Sequence[tuple[Supported, Adjusted]], shown: float) -> float:
+def _most_shown(several: Sequence[Found], shown: float) -> float:
     """The most that any of several, or another one, shows of its silhouette."""
     return max([shown, *(there.shown for _, there in several)])
 

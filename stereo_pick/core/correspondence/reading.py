@@ -91,9 +91,9 @@ class Reader:
             return None
         flat = [(blobs, where.fit) for blobs, where in first.lost if where.fit is not None and where.reason == "flat"]
         faces = [(blobs, fit) for blobs, fit in flat if max(blob.fading for blob in blobs) < _FADES]
-        return TableSearch(self.images, self._lit_parts(first), faces, self.flat_parts, shaded).table(
-            [*first.kept, *others]
-        )
+        by_outlines = first.blobs.polarity != "bright"
+        search = TableSearch(self.images, self._lit_parts(first), faces, self.flat_parts, shaded, by_outlines)
+        return search.table([*first.kept, *others])
 
     def read(self, first: FirstLook, table: Table | None) -> Reading:
         """What is found with the table, and what is refused."""

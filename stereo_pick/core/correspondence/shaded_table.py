@@ -48,11 +48,10 @@ _MIRRORED_PX = 0.3  # what light and mirrors do to marks is no noise
 def shaded_tables(pair: RectifiedPair, blobs: Blobs, disparities_px: tuple[float, float]) -> list[Table]:
     """The planes (rectified left frame) that the table may be, the likeliest first.
 
-    blobs: the objects; none is found where they are the dark ones: what passes for one may be a part and its shadow
-    together, which stands on the table as well. disparities_px: the least and the greatest of the view.
+    blobs: the objects, beside which shadows are looked for; but what passes for a dark one may be a part and its shadow
+    together, so where they are the dark ones all that shows edges is taken. disparities_px: the least and the greatest
+    of the view.
     """
-    if blobs.polarity != "bright":
-        return []
     scale = reduction(pair.left)
     left, right = uneven(pair.left, pair.rig.left, scale), uneven(pair.right, pair.rig.right, scale)
     windows = _seen(pair, (left, right), blobs, scale, (scale * disparities_px[0], scale * disparities_px[1]))
@@ -67,14 +66,18 @@ def shaded_tables(pair: RectifiedPair, blobs: Blobs, disparities_px: tuple[float
 def _seen(
     pair: RectifiedPair, views: tuple[Grey, Grey], blobs: Blobs, scale: float, reach_px: tuple[float, float]
 ) -> Windows:
-    """The windows that show edges, found in the other view."""
+    """The windows that show edges, found in the other view; clear of bright objects in both."""
     left, right = views
+    all_over = blobs.polarity != "bright"
     noise = noise_dn(reduced(pair.left, scale))
     around = np.ones((_HIGH_PX + 2, _WIDE_PX + 2), np.uint8)
     usable = predicted_sigma_px(left, noise, _AS_SQUARE_PX, "zncc") < _PLACED_PX
     usable &= cv2.erode(valid(pair.rig.left, left).astype(np.uint8), around) > 0
-    usable &= clear_of_objects(left, blobs.left, scale, _WIDE_PX, _HIGH_PX)
+    if not all_over:
+        usable &= clear_of_objects(left, blobs.left, scale, _WIDE_PX, _HIGH_PX)
     windows = matches(left, right, on_grid(usable, *_GRID), (_WIDE_PX, _HIGH_PX), reach_px)
+    if all_over:
+        return windows
     clear = clear_of_objects(right, blobs.right, scale, _WIDE_PX, _HIGH_PX)
     columns = np.round(windows.centre_px[:, 0] - windows.disparity_px).astype(int)
     return windows.those(clear[windows.centre_px[:, 1].astype(int), np.clip(columns, 0, clear.shape[1] - 1)])

