@@ -15,6 +15,7 @@ NOT_STAMPED = (
     "images have the stamp 0: the driver does not set header.stamp, and nothing else tells which left and right image "
     "belong together; let it set the time of exposure"
 )
+MOST_OFFSET_S = 1.0  # between the stamps of a pair: farther apart they are of different times
 _NS_PER_S = 1_000_000_000
 
 

@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image
 from stereo_pick.core.arrays import Image as Pixels
 from stereo_pick.core.errors import ImageError
 from stereo_pick.core.images import FULL_SCALE_16, pixels
-from stereo_pick.core.pairing import NOT_STAMPED, Pair, PairingCounts, Side, StampPairer
+from stereo_pick.core.pairing import MOST_OFFSET_S, NOT_STAMPED, Pair, PairingCounts, Side, StampPairer
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
 from stereo_pick.ros.messages.images import buffer_of
@@ -30,7 +30,7 @@ class RawImageOptions(Configurable):
     """How raw images are paired and read."""
 
     max_stamp_offset_s: float = parameter(
-        0.01, "By how much the stamps of a left and a right image may differ.", low=0.0, high=1.0
+        0.01, "By how much the stamps of a left and a right image may differ.", low=0.0, high=MOST_OFFSET_S
     )
     full_scale_16: int = parameter(
         FULL_SCALE_16,

@@ -14,12 +14,10 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ParameterError, SourceError
 from stereo_pick.core.images import FULL_SCALE_16, ImageBuffer, decode_compressed, encode
-from stereo_pick.core.pairing import NOT_STAMPED, Pair, Side, StampPairer
+from stereo_pick.core.pairing import MOST_OFFSET_S, NOT_STAMPED, Pair, Side, StampPairer
 from stereo_pick.sources.bag_reader import Recorded, messages, opened
 from stereo_pick.sources.bag_topics import COMPRESSED_TYPE, camera_info_topic, choose_topics
 from stereo_pick.sources.source import SourcePair
-
-_MAX_OFFSET_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -51,11 +49,11 @@ class BagSource:
         """Find the image topics (by their names, where they are not given) of the bag at `path`.
 
         Raises SourceError on a bag that is absent or damaged, or in which the choice of topics is
-        not clear; ParameterError on an offset outside 0 .. 60 s.
+        not clear; ParameterError on an offset outside 0 .. 1 s.
         """
-        if not 0 <= max_stamp_offset_s <= _MAX_OFFSET_S:
+        if not 0 <= max_stamp_offset_s <= MOST_OFFSET_S:
             raise ParameterError(
-                f"max_stamp_offset_s = {max_stamp_offset_s} is outside its range 0 .. {_MAX_OFFSET_S:g}"
+                f"max_stamp_offset_s = {max_stamp_offset_s} is outside its range 0 .. {MOST_OFFSET_S:g}"
             )
         with opened(path) as reader:
             topics = reader.topics

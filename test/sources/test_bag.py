@@ -393,7 +393,7 @@ def test_images_without_stamps_are_no_pairs(tmp_path: Path, write: Any) -> None:
         list(open_source(write(tmp_path / "bag", unstamped)))
 
 
-@pytest.mark.parametrize("offset_s", [-0.001, float("nan"), float("inf")])
+@pytest.mark.parametrize("offset_s", [-0.001, 1.001, float("nan"), float("inf")])
 def test_an_impossible_offset_is_refused(tmp_path: Path, offset_s: float) -> None:
     with pytest.raises(ParameterError, match="max_stamp_offset_s"):
         open_source(write_ros2(tmp_path / "bag", stereo(1)), max_stamp_offset_s=offset_s)

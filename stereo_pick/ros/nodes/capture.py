@@ -14,6 +14,7 @@ from rosgraph_msgs.msg import Clock
 from stereo_pick.core.configuration import configured, declared
 from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.images import FULL_SCALE_16
+from stereo_pick.core.pairing import MOST_OFFSET_S
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.ros.calibration_in_use import CalibrationInUse
 from stereo_pick.ros.messages.cameras import camera_info_message
@@ -49,7 +50,11 @@ class CaptureOptions(Configurable):
     left_topic: str = parameter("", "The bag's topic of left images; empty finds it by its name.", fixed=True)
     right_topic: str = parameter("", "The bag's topic of right images; empty finds it by its name.", fixed=True)
     max_stamp_offset_s: float = parameter(
-        0.01, "By how much the stamps of a left and a right image in the bag may differ.", low=0.0, high=1.0, fixed=True
+        0.01,
+        "By how much the stamps of a left and a right image in the bag may differ.",
+        low=0.0,
+        high=MOST_OFFSET_S,
+        fixed=True,
     )
     left_frame_id: str = parameter(
         "",
