@@ -16,6 +16,7 @@ from stereo_pick.core.transform import Transform
 
 MIN_BASELINE_M = 0.001
 MAX_BASELINE_M = 5.0
+_LONG_CM = 100.0  # baselines, in centimetres
 _SAME = 1e-4  # relative: files round
 
 
@@ -136,10 +137,17 @@ def check_baseline(right_T_left: Transform) -> None:
     if baseline_m > MAX_BASELINE_M:
         raise CalibrationError(
             f"baseline = {baseline_m:.1f} m is longer than {MAX_BASELINE_M:g} m: the calibration is in "
-            "millimetres; divide its translation (T, or P[0,3]) by 1000"
+            f"{_units(baseline_m)}"
         )
     if -centre[0] > np.abs(centre[1:]).max():
         raise CalibrationError(
             f"baseline = {centre[0]:.4f} m is negative: the right camera stands left of the left one; "
             "left and right are swapped: exchange them, or calibrate again"
         )
+
+
+def _units(length: float) -> str:
+    """Which a baseline may be in that is too long in metres, and what to do."""
+    if length > _LONG_CM:
+        return "millimetres; divide its translation (T, or P[0,3]) by 1000"
+    return "centimetres or millimetres; divide its translation (T, or P[0,3]) by 100 or by 1000"

@@ -105,6 +105,13 @@ def test_a_baseline_in_millimetres_is_refused() -> None:
         rig_of((0.2, 0.0, 0.0), unit=1000)
 
 
+def test_a_baseline_that_may_be_in_centimetres_is_not_called_one_in_millimetres() -> None:
+    with pytest.raises(
+        CalibrationError, match=r"baseline = 20\.0 m .* is in centimetres or millimetres; .* by 100 or by"
+    ):
+        rig_of((0.2, 0.0, 0.0), unit=100)
+
+
 def test_cameras_one_above_the_other_are_no_swapped_ones() -> None:
     for height_m in (-0.2, 0.2):
         assert rig_of((-0.01, height_m, 0.0)).baseline_m == pytest.approx(0.2, rel=0.01)
