@@ -16,7 +16,7 @@ from stereo_pick.core.transform import Transform
 
 MIN_BASELINE_M = 0.001
 MAX_BASELINE_M = 5.0
-_LONG_CM = 100.0  # baselines, in centimetres
+_LONG_CM = 50.0  # baselines, in centimetres: longer ones are rather in millimetres
 _SAME = 1e-4  # relative: files round
 
 
