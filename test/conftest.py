@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
@@ -23,6 +24,9 @@ from stereo_pick.core.images import read_image
 from stereo_pick.core.transform import Transform
 
 Calibrated = Callable[..., CalibrationResult]
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # by `make test &` in a script: children would not hear Ctrl-C
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")

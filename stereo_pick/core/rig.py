@@ -97,12 +97,8 @@ def extrinsics(left: Camera, right: Camera) -> Transform:
             f"P[0,3] of the left camera = {left.P[0, 3]:.3f} and that of the right one is 0: left and right are "
             "swapped; exchange the two cameras, or calibrate again"
         )
-    if left.P[:2, 3].any():
-        raise CalibrationError(
-            f"P[0,3] and P[1,3] of the left camera are {left.P[0, 3]:g} and {left.P[1, 3]:g}, must be 0: those of the "
-            "right one say where it stands, seen from the left one; is it another rig's?"
-        )
-    shift = np.array([right.P[0, 3] / right.P[0, 0], right.P[1, 3] / right.P[1, 1], 0.0])
+    check_unshifted(left)
+    shift = shift_m(right)
     if shift[0] > MIN_BASELINE_M and shift[0] > abs(shift[1]):
         raise CalibrationError(
             f"baseline -P[0,3] / fx of the right camera = {-shift[0]:.4f} m is negative: left and right are swapped; "
@@ -123,6 +119,21 @@ def extrinsics(left: Camera, right: Camera) -> Transform:
     # A file's rounded R is no rotation to the last digit: made one here, the rig survives its own camera_info.
     U, _, Vt = np.linalg.svd(right.R.T @ left.R)
     return Transform(U @ Vt, right.R.T @ shift)
+
+
+def shift_m(right: Camera) -> Floats:
+    """From the left camera's coordinates to the right one's (3,) [m], in the rectified frame: P[:,3] / f."""
+    P = right.P
+    return np.array([P[0, 3] / P[0, 0], P[1, 3] / P[1, 1], 0.0])
+
+
+def check_unshifted(left: Camera) -> None:
+    """Raise CalibrationError for a left camera whose P says that it stands elsewhere."""
+    if left.P[:2, 3].any():
+        raise CalibrationError(
+            f"P[0,3] and P[1,3] of the left camera are {left.P[0, 3]:g} and {left.P[1, 3]:g}, must be 0: those of the "
+            "right one say where it stands, seen from the left one; is it the right one's, or another rig's?"
+        )
 
 
 def check_baseline(right_T_left: Transform) -> None:

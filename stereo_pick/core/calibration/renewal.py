@@ -11,7 +11,7 @@ import numpy as np
 from stereo_pick.core.calibration.files import save_cameras
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError
-from stereo_pick.core.rig import StereoRig, check_baseline
+from stereo_pick.core.rig import StereoRig, check_baseline, check_unshifted, shift_m
 from stereo_pick.core.transform import Transform
 
 _SAME = 1e-6  # of a value; OpenCV and REP 104 give both cameras the very same numbers
@@ -88,14 +88,10 @@ def _check_half(side: str, camera: Camera, size_px: tuple[int, int]) -> None:
             f"{side} camera_info is for {width} x {height}, but the images are {size_px[0]} x {size_px[1]}: "
             "calibrate at the resolution that the camera runs at"
         )
-    P = camera.P
-    shift = np.array([P[0, 3] / P[0, 0], P[1, 3] / P[1, 1], 0.0])
-    if side == "right":
-        check_baseline(Transform(np.eye(3), shift))
-    elif shift.any():
-        raise CalibrationError(
-            f"P[0,3] and P[1,3] of the left camera are {P[0, 3]:g} and {P[1, 3]:g}, must be 0: is it the right one's?"
-        )
+    if side == "left":
+        check_unshifted(camera)
+    else:
+        check_baseline(Transform(np.eye(3), shift_m(camera)))
 
 
 def _is_one_calibration(one: Camera, other: Camera) -> bool:

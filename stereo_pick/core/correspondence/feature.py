@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -18,11 +19,11 @@ from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.other_polarity import joined
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.prints import prints_among
-from stereo_pick.core.correspondence.reading import Reader, Reading
+from stereo_pick.core.correspondence.reading import FirstLook, Reader, Reading
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.shaded_table import shaded_tables
 from stereo_pick.core.correspondence.similarity import Similarity
-from stereo_pick.core.correspondence.together import adjusted_together
+from stereo_pick.core.correspondence.together import Together, adjusted_together
 from stereo_pick.core.errors import ArrayError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
@@ -133,22 +134,35 @@ class Feature(Method):
         if known is not None and self.table != FOUND and (off_m := misplaced_m(known, fits)) is not None:
             unread = reader.read(first, None).unread
             return collect([], [*_off_table([*first.kept, *also], off_m), *(each.refusal for each in unread)])
-        there = FoundTable(known, True) if known else None
-        if there is None and self.table == FOUND:
-            reach_px = self.disparities_px(pair.rig)
-            there = reader.table(first, also, lambda: shaded_tables(pair, blobs, reach_px))
-        table = there.table if there else None
-        found = reader.read(first, table)
-        if others is not None:
-            besides = reader.read(others, table)
-            bright, dark = (found, besides) if blobs.polarity == "bright" else (besides, found)
-            found = joined(bright, dark, found, pair.rig)
-        return self._collected(reader.images, found, there is not None and there.is_seen)
+        if known is not None or self.table != FOUND:
+            there = FoundTable(known, True) if known else None
+            return self._collected(pair.rig, *self._together(reader, first, others, there), there)
+        reach_px = self.disparities_px(pair.rig)
+        there = reader.table(first, also, lambda: shaded_tables(pair, blobs, reach_px))
+        found, together = self._together(reader, first, others, there)
+        if there is not None and _is_groundless(there, together):
+            on_it = partial(stands_on, there.table)
+            first, others = first.without(on_it), others.without(on_it) if others else None
+            there = reader.table(first, others.kept if others else [], lambda: shaded_tables(pair, blobs, reach_px))
+            found, together = self._together(reader, first, others, there)
+        return self._collected(pair.rig, found, together, there)
 
-    def _collected(self, images: Images, found: Reading, is_known: bool) -> Correspondences:
-        rig = images.rig
-        together = adjusted_together(images, found, is_known, self.flat_parts, self.edge_radius_m)
-        table = together.table
+    def _together(
+        self, reader: Reader, first: FirstLook, others: FirstLook | None, there: FoundTable | None
+    ) -> tuple[Reading, Together]:
+        """What is found on a table; others: of the other polarity."""
+        found = reader.read(first, there.table if there else None)
+        if others is not None:
+            besides = reader.read(others, found.table)
+            bright, dark = (found, besides) if first.blobs.polarity == "bright" else (besides, found)
+            found = joined(bright, dark, found, reader.images.rig)
+        is_known = there is not None and there.is_seen
+        return found, adjusted_together(reader.images, found, is_known, self.flat_parts, self.edge_radius_m)
+
+    def _collected(
+        self, rig: StereoRig, found: Reading, together: Together, there: FoundTable | None
+    ) -> Correspondences:
+        table, is_known = together.table, there is not None and there.is_seen
         prints = [] if self.flat_parts else prints_among(together.kept, rig, table, is_known)
         objects = [row for row in together.kept if row not in prints]
         normal = table.normal if table else common_normal([where.fit for _, where in objects])
@@ -186,6 +200,14 @@ class Feature(Method):
         return Similarity(
             self.epipolar_tolerance_px, self.shape_tolerance, self.max_area_ratio, self.disparities_px(rig)
         )
+
+
+def _is_groundless(there: FoundTable, together: Together) -> bool:
+    """Whether nothing stands on a table after all that nothing shows but what was thought to stand there."""
+    table = together.table
+    if there.is_seen or table is None:
+        return False
+    return not any(where.fit is not None and stands_on(table, where.fit) for _, where in together.kept)
 
 
 def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:

@@ -47,7 +47,7 @@ class TableSearch:
     faces: Sequence[tuple[BlobPair, SolidFit]]
     flat_parts: bool
     shaded: Shaded
-    by_outlines: bool = False
+    by_outlines: bool
 
     def table(self, kept: Sequence[Row]) -> FoundTable | None:
         """The table that the objects found agree on, if need be once all their own edges have put them where they are;

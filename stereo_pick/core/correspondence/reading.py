@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
 from stereo_pick.core.correspondence.apart import Matching, taken_apart
@@ -17,6 +17,7 @@ from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
 _PLAIN_SIGMA_PX = 0.3  # of a centroid of whole pixels: shading moves its edges along whole arcs
@@ -37,6 +38,11 @@ class FirstLook:
     def unclear(self) -> list[Blob]:
         """The outlines of what is doubtful."""
         return [blob for each in self.doubtful for blob in each]
+
+    def without(self, mistaken: Callable[[SolidFit], bool]) -> FirstLook:
+        """The same, where solids that are mistaken are not found."""
+        kept = [row for row in self.kept if row[1].fit is None or not mistaken(row[1].fit)]
+        return replace(self, kept=kept)
 
     def left_over(self) -> tuple[list[Blob], list[Blob]]:
         """The outlines in both views of what may be found yet."""
@@ -91,7 +97,7 @@ class Reader:
             return None
         flat = [(blobs, where.fit) for blobs, where in first.lost if where.fit is not None and where.reason == "flat"]
         faces = [(blobs, fit) for blobs, fit in flat if max(blob.fading for blob in blobs) < _FADES]
-        by_outlines = first.blobs.polarity != "bright"
+        by_outlines = first.blobs.may_be_shaded
         search = TableSearch(self.images, self._lit_parts(first), faces, self.flat_parts, shaded, by_outlines)
         return search.table([*first.kept, *others])
 

@@ -68,15 +68,14 @@ def _seen(
 ) -> Windows:
     """The windows that show edges, found in the other view; clear of bright objects in both."""
     left, right = views
-    all_over = blobs.polarity != "bright"
     noise = noise_dn(reduced(pair.left, scale))
     around = np.ones((_HIGH_PX + 2, _WIDE_PX + 2), np.uint8)
     usable = predicted_sigma_px(left, noise, _AS_SQUARE_PX, "zncc") < _PLACED_PX
     usable &= cv2.erode(valid(pair.rig.left, left).astype(np.uint8), around) > 0
-    if not all_over:
+    if not blobs.may_be_shaded:
         usable &= clear_of_objects(left, blobs.left, scale, _WIDE_PX, _HIGH_PX)
     windows = matches(left, right, on_grid(usable, *_GRID), (_WIDE_PX, _HIGH_PX), reach_px)
-    if all_over:
+    if blobs.may_be_shaded:
         return windows
     clear = clear_of_objects(right, blobs.right, scale, _WIDE_PX, _HIGH_PX)
     columns = np.round(windows.centre_px[:, 0] - windows.disparity_px).astype(int)

@@ -145,6 +145,11 @@ class Blobs:
     max_concavity: float = MAX_CONCAVITY
     others: Blobs | None = None
 
+    @property
+    def may_be_shaded(self) -> bool:
+        """Whether shadows may be among these, or be one with them: where they are what is darker than the table."""
+        return self.polarity != "bright"
+
     def sound(self) -> tuple[list[Blob], list[Blob]]:
         """The objects of the left and of the right view that may be matched."""
         return [blob for blob in self.left if not blob.fault], [blob for blob in self.right if not blob.fault]

@@ -143,7 +143,10 @@ def test_a_ball_and_its_own_cap_are_not_two_that_stand_on_a_table(turned_deg: fl
     cap = SolidFit("cylinder", centre_m + 0.018 * across, axes, np.array([0.03, 0.03, 0.002]), 0.1, np.eye(3) * 1e-8)
     ball = SolidFit("sphere", centre_m, np.eye(3), np.full(3, 0.04), 0.1, np.eye(3) * 1e-8)
     row = seen, by_solid(RIG, ball, shown=1.0)
-    assert TableSearch(Images(pair), [seen], [(seen, cap)], flat_parts=False, shaded=list).table([row]) is None
+    assert (
+        TableSearch(Images(pair), [seen], [(seen, cap)], flat_parts=False, shaded=list, by_outlines=False).table([row])
+        is None
+    )
 
 
 def test_with_a_wrong_table_nothing_is_made_to_stand_on_it() -> None:
