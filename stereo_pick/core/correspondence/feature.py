@@ -137,13 +137,13 @@ class Feature(Method):
         if known is not None or self.table != FOUND:
             there = FoundTable(known, True) if known else None
             return self._collected(pair.rig, *self._together(reader, first, others, there), there)
-        reach_px = self.disparities_px(pair.rig)
-        there = reader.table(first, also, lambda: shaded_tables(pair, blobs, reach_px))
+        shaded = partial(shaded_tables, pair, blobs, self.disparities_px(pair.rig))
+        there = reader.table(first, also, shaded)
         found, together = self._together(reader, first, others, there)
         if there is not None and _is_groundless(there, together):
             on_it = partial(stands_on, there.table)
             first, others = first.without(on_it), others.without(on_it) if others else None
-            there = reader.table(first, others.kept if others else [], lambda: shaded_tables(pair, blobs, reach_px))
+            there = reader.table(first, others.kept if others else [], shaded)
             found, together = self._together(reader, first, others, there)
         return self._collected(pair.rig, found, together, there)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,8 +10,9 @@ import pytest
 from families import staged
 
 from stereo_pick.core.configuration import steps
-from stereo_pick.core.correspondence.found_table import FoundTable
-from stereo_pick.core.correspondence.reading import Reader
+from stereo_pick.core.correspondence.found_table import FoundTable, Shaded
+from stereo_pick.core.correspondence.position import Row
+from stereo_pick.core.correspondence.reading import FirstLook, Reader
 from stereo_pick.core.pipeline import Pipeline
 
 
@@ -20,8 +22,8 @@ def test_a_table_that_nothing_stands_on_is_looked_for_again(monkeypatch: pytest.
     asked: list[FoundTable | None] = []
     find = Reader.table
 
-    def wrong_at_first(*arguments: object) -> FoundTable | None:
-        right = find(*arguments)  # type: ignore[arg-type]
+    def wrong_at_first(reader: Reader, first: FirstLook, others: Sequence[Row], shaded: Shaded) -> FoundTable | None:
+        right = find(reader, first, others, shaded)
         assert right is not None
         tilted = replace(right.table, normal=np.array([0.6, 0.0, -0.8]))
         asked.append(right if asked else FoundTable(tilted, False))
