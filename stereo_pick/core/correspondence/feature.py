@@ -16,14 +16,13 @@ from stereo_pick.core.correspondence.given_table import misplaced_m
 from stereo_pick.core.correspondence.grain import grained_table
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.method import Method
-from stereo_pick.core.correspondence.other_polarity import joined
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.prints import prints_among
-from stereo_pick.core.correspondence.reading import FirstLook, Reader, Reading
+from stereo_pick.core.correspondence.reading import Reader
 from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
+from stereo_pick.core.correspondence.scene import FirstLooks, Scene, scene_on, scene_on_found_table
 from stereo_pick.core.correspondence.shaded_table import shaded_tables
 from stereo_pick.core.correspondence.similarity import Similarity
-from stereo_pick.core.correspondence.together import Together, adjusted_together
 from stereo_pick.core.errors import ArrayError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
@@ -125,50 +124,27 @@ class Feature(Method):
         """Return the centres of matched objects, left to right in the left view."""
         reader = Reader(_images(pair, blobs), self.similarity(pair.rig), self.ambiguity_margin, self.flat_parts)
         if self.assignment == "area":
-            first, others = reader.look_at(blobs, _by_area(blobs), []), None
+            looks = FirstLooks(reader.look_at(blobs, _by_area(blobs), []), None)
         else:
-            first, others = reader.look(blobs), reader.look(blobs.others) if blobs.others else None
-        also = others.kept if others else []
-        fits = [where.fit for _, where in (*first.kept, *also) if where.fit]
-        known = self._known_table(pair, blobs, fits)
-        if known is not None and self.table != FOUND and (off_m := misplaced_m(known, fits)) is not None:
-            unread = reader.read(first, None).unread
-            return collect([], [*_off_table([*first.kept, *also], off_m), *(each.refusal for each in unread)])
+            looks = FirstLooks(reader.look(blobs), reader.look(blobs.others) if blobs.others else None)
+        known = self._known_table(pair, blobs, looks.fits)
+        if known is not None and self.table != FOUND and (off_m := misplaced_m(known, looks.fits)) is not None:
+            unread = reader.read(looks.first, None).unread
+            return collect([], [*_off_table(looks.kept, off_m), *(each.refusal for each in unread)])
         if known is not None or self.table != FOUND:
             there = FoundTable(known, True) if known else None
-            return self._collected(pair.rig, *self._together(reader, first, others, there), there)
+            return self._collected(pair.rig, scene_on(reader, looks, there, self.edge_radius_m))
         shaded = partial(shaded_tables, pair, blobs, self.disparities_px(pair.rig))
-        there = reader.table(first, also, shaded)
-        found, together = self._together(reader, first, others, there)
-        if there is not None and _is_groundless(there, together):
-            on_it = partial(stands_on, there.table)
-            first, others = first.without(on_it), others.without(on_it) if others else None
-            there = reader.table(first, others.kept if others else [], shaded)
-            found, together = self._together(reader, first, others, there)
-        return self._collected(pair.rig, found, together, there)
+        return self._collected(pair.rig, scene_on_found_table(reader, looks, shaded, self.edge_radius_m))
 
-    def _together(
-        self, reader: Reader, first: FirstLook, others: FirstLook | None, there: FoundTable | None
-    ) -> tuple[Reading, Together]:
-        """What is found on a table; others: of the other polarity."""
-        found = reader.read(first, there.table if there else None)
-        if others is not None:
-            besides = reader.read(others, found.table)
-            bright, dark = (found, besides) if first.blobs.polarity == "bright" else (besides, found)
-            found = joined(bright, dark, found, reader.images.rig)
-        is_known = there is not None and there.is_seen
-        return found, adjusted_together(reader.images, found, is_known, self.flat_parts, self.edge_radius_m)
-
-    def _collected(
-        self, rig: StereoRig, found: Reading, together: Together, there: FoundTable | None
-    ) -> Correspondences:
-        table, is_known = together.table, there is not None and there.is_seen
-        prints = [] if self.flat_parts else prints_among(together.kept, rig, table, is_known)
+    def _collected(self, rig: StereoRig, scene: Scene) -> Correspondences:
+        together, table = scene.together, scene.together.table
+        prints = [] if self.flat_parts else prints_among(together.kept, rig, table, scene.is_known)
         objects = [row for row in together.kept if row not in prints]
         normal = table.normal if table else common_normal([where.fit for _, where in objects])
         kept, unknown = self._of_known_reference(objects, normal)
         most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
-        unread = [*together.refused, *found.for_good, *(Unread("flat", *each) for each, _ in prints)]
+        unread = [*together.refused, *scene.reading.for_good, *(Unread("flat", *each) for each, _ in prints)]
         unread += [Unread("no_solid", *each) for each, _ in unknown]
         sure, unsure = by_certainty(kept, unread, rig, most, together.warped)
         sure.sort(key=lambda row: float(row[1].left_px[0]))
@@ -200,14 +176,6 @@ class Feature(Method):
         return Similarity(
             self.epipolar_tolerance_px, self.shape_tolerance, self.max_area_ratio, self.disparities_px(rig)
         )
-
-
-def _is_groundless(there: FoundTable, together: Together) -> bool:
-    """Whether nothing stands on a table after all that nothing shows but what was thought to stand there."""
-    table = together.table
-    if there.is_seen or table is None:
-        return False
-    return not any(where.fit is not None and stands_on(table, where.fit) for _, where in together.kept)
 
 
 def least_area_difference(left: list[Blob], right: list[Blob]) -> Pairs:

@@ -1,0 +1,87 @@
+"""What two views show of objects and their table, once the table has had its say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+from stereo_pick.core.correspondence.found_table import FoundTable, Shaded
+from stereo_pick.core.correspondence.other_polarity import joined
+from stereo_pick.core.correspondence.position import Row
+from stereo_pick.core.correspondence.reading import FirstLook, Reader, Reading
+from stereo_pick.core.correspondence.together import Together, adjusted_together
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.common_table import stands_on
+
+
+@dataclass(frozen=True, eq=False)
+class FirstLooks:
+    """What is found without a table; others: of the other polarity."""
+
+    first: FirstLook
+    others: FirstLook | None
+
+    @property
+    def kept(self) -> list[Row]:
+        """The objects found, of both polarities."""
+        return [*self.first.kept, *self.kept_besides]
+
+    @property
+    def kept_besides(self) -> list[Row]:
+        """Those of the other polarity."""
+        return self.others.kept if self.others else []
+
+    @property
+    def fits(self) -> list[SolidFit]:
+        """The solids that explain them."""
+        return [where.fit for _, where in self.kept if where.fit is not None]
+
+    def not_on(self, there: FoundTable) -> FirstLooks:
+        """The same, where solids that stand on a table were mistaken."""
+        on_it = partial(stands_on, there.table)
+        return FirstLooks(self.first.without(on_it), self.others.without(on_it) if self.others else None)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """reading: what outlines say; together: what all edges make of that; is_known: whether the table is known without
+    the objects that stand on it."""
+
+    reading: Reading
+    together: Together
+    is_known: bool
+
+    @property
+    def is_groundless(self) -> bool:
+        """Whether nothing stands on a table after all that nothing showed but what was thought to stand there."""
+        table = self.together.table
+        if self.is_known or table is None:
+            return False
+        return not any(where.fit is not None and stands_on(table, where.fit) for _, where in self.together.kept)
+
+
+def scene_on(reader: Reader, looks: FirstLooks, there: FoundTable | None, edge_radius_m: float) -> Scene:
+    """The scene on a table, or on none; edge_radius_m: one sigma of how far edges are rounded."""
+    reading = reader.read(looks.first, there.table if there else None)
+    if looks.others is not None:
+        besides = reader.read(looks.others, reading.table)
+        is_bright = looks.first.blobs.polarity == "bright"
+        bright, dark = (reading, besides) if is_bright else (besides, reading)
+        reading = joined(bright, dark, reading, reader.images.rig)
+    is_known = there is not None and there.is_seen
+    together = adjusted_together(reader.images, reading, is_known, reader.flat_parts, edge_radius_m)
+    return Scene(reading, together, is_known)
+
+
+def scene_on_found_table(reader: Reader, looks: FirstLooks, shaded: Shaded, edge_radius_m: float) -> Scene:
+    """The scene on the table that is found; if need be looked for again, without what was mistaken for an object on it.
+
+    shaded: what may be the table, by its shadows.
+    """
+    there = reader.table(looks.first, looks.kept_besides, shaded)
+    scene = scene_on(reader, looks, there, edge_radius_m)
+    if there is None or not scene.is_groundless:
+        return scene
+    doubted = looks.not_on(there)
+    there = reader.table(doubted.first, doubted.kept_besides, shaded)
+    return scene_on(reader, doubted, there, edge_radius_m)
