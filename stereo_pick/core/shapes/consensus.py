@@ -25,8 +25,8 @@ from stereo_pick.core.shapes.table import Table
 
 _GUESSES = 1200  # of each orientation
 _FINER = 3  # orientations than for a search that turns them
-_BETTERED, _ROUNDS = 60, 2  # the best guesses, by all the edges that they agree with
-_KEPT = 9  # solids of each kind
+_BETTERED, _ROUNDS = 150, 2  # the best guesses, by all the edges that they agree with
+_KEPT = 40  # solids of each kind: where half of a part shows, high lights and shadows often have more edges
 _ON_EDGE_PX = 1.2  # as far as the orientation may be off, and the edge's normal
 _LEAST_SEEN = 1 / 4  # of the rays, in both views, that cross an edge of it exactly
 _LEAST_EDGES = 20  # of both views together
