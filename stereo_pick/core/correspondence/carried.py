@@ -30,7 +30,7 @@ def carried(unread: Unread, rig: StereoRig, table: Table) -> BlobPair | None:
     if blob is None or height_m is None:
         return None
     [contour_px] = transferred(blob.contour_px, np.array([height_m]), rig, own, table)
-    other = _without_edges(blob, contour_px)
+    other = without_edges(blob, contour_px)
     if not (other.centroid_px >= 0).all() or not (other.centroid_px < rig.left.frame_size).all():
         return None
     return (blob, other) if own == 0 else (other, blob)
@@ -40,11 +40,12 @@ def as_predicted(unread: Unread, blobs: BlobPair, fit: SolidFit, rig: StereoRig)
     """The same with the outline that was carried where the solid that was found there has it."""
     left, right = blobs
     if unread.left:
-        return left, _without_edges(right, fit.silhouette_px(rig.right))
-    return _without_edges(left, fit.silhouette_px(rig.left)), right
+        return left, without_edges(right, fit.silhouette_px(rig.right))
+    return without_edges(left, fit.silhouette_px(rig.left)), right
 
 
-def _without_edges(blob: Blob, contour_px: Floats) -> Blob:
+def without_edges(blob: Blob, contour_px: Floats) -> Blob:
+    """An outline (N, 2) that was not seen in the image, in the place of one that was."""
     return replace(blob, contour_px=contour_px, sharpness=np.full(len(contour_px), CUT))
 
 

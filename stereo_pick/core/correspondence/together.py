@@ -7,17 +7,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_seen_alone
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.doubts import placed_surely, seen_in_part
-from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
+from stereo_pick.core.correspondence.found_after_all import found_after_all
+from stereo_pick.core.correspondence.last_look import LastLook, Seen
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import Row, may_have_dark_ends, with_dark_ends
 from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.correspondence.second_thoughts import CREASED, WELL_SHOWN, is_flat_after_all, reconsidered
 from stereo_pick.core.correspondence.standing_out import stands_out
-from stereo_pick.core.objects.blob import CUT
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.hypotheses import Images
@@ -131,7 +130,7 @@ def _looked_for_again(
     look = replace(look, images=look.images.behind(before), before=before)
     found, rest = _read_again(look, seen, rest)
     look = replace(look, besides=[where for _, where in [*rest, *astray]])
-    return *_found_after_all(images, look, open_, found, warped), rest
+    return *found_after_all(images, look, open_, found, warped), rest
 
 
 def _known(seen: Sequence[Seen]) -> list[SolidFit]:
@@ -180,27 +179,6 @@ def _is_settled(found: Adjusted) -> bool:
     return found.creased >= CREASED and not found.may_be_another
 
 
-def _found_after_all(
-    images: Images, look: LastLook, open_: Sequence[Unread], seen: Sequence[Seen], warped: WarpedViews
-) -> tuple[list[Seen], list[Unread]]:
-    """What is seen, with those of the refused that are found where none of the others is; and what stays refused."""
-    found, refused = list(seen), list(open_)
-    for unread in may_be_found(open_):
-        another = look.at_refused(unread, [each.fit for _, each in found])
-        if another is None:
-            continue
-        (blobs, _), there = another
-        found.append(another)
-        if not goes_on_beyond(blobs, there.fit, images):  # else the rest of it is refused still
-            refused.remove(unread)
-        refused = [each for each in refused if not is_seen_alone(each, there.fit, images)]
-    for piece in _risen(warped, refused, found):
-        another = look.at_refused(piece, [each.fit for _, each in found])
-        if another is not None:
-            found.append(another)
-    return found, refused
-
-
 def _standing_out(images: Images, placed: Sequence[Seen], rest: Sequence[Row]) -> list[Row]:
     """Those before the surface of which something is seen."""
     fits = [each.fit for _, each in placed] + [where.fit for _, where in rest if where.fit is not None]
@@ -222,15 +200,4 @@ def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:
         for row, each in placed
         if warped.shows_through(each.fit)
         or (not each.shows_creases and warped.is_all_of(row[0][0], [fit for fit in fits if fit is not each.fit]))
-    ]
-
-
-def _risen(warped: WarpedViews, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Unread]:
-    """What rises from the table in outlines that are several, some of which may lie there."""
-    fits = [each.fit for _, each in found]
-    outlines = [each.left for each in refused if each.reason == "merged" and each.left and each.right]
-    hulls = [(left, hull) for left in outlines for hull in warped.rising(left, fits)]
-    return [
-        Unread("merged", replace(left, contour_px=hull, sharpness=np.full(len(hull), CUT)), None)
-        for left, hull in hulls
     ]

@@ -1,0 +1,70 @@
+"""What was refused, looked for once more where the table and the other objects are known: whole, and piece by piece."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_seen_alone
+from stereo_pick.core.correspondence.carried import without_edges
+from stereo_pick.core.correspondence.inscribed import discs_within
+from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
+from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.lying_flat import WarpedViews
+from stereo_pick.core.correspondence.overlap import covers
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.solid_fit import SolidFit
+
+
+def found_after_all(
+    images: Images, look: LastLook, open_: Sequence[Unread], seen: Sequence[Seen], warped: WarpedViews
+) -> tuple[list[Seen], list[Unread]]:
+    """What is seen, with those of the refused that are found where none of the others is; and what stays refused."""
+    found, refused = list(seen), list(open_)
+    for unread in may_be_found(open_):
+        another = look.at_refused(unread, _fits(found))
+        if another is None:
+            continue
+        (blobs, _), there = another
+        found.append(another)
+        if not goes_on_beyond(blobs, there.fit, images):  # else the rest of it is refused still
+            refused.remove(unread)
+        refused = [each for each in refused if not is_seen_alone(each, there.fit, images)]
+    for piece in _risen(warped, refused, found):
+        another = look.at_refused(piece, _fits(found))
+        if another is not None:
+            found.append(_by_itself(another, images.rig))
+    return found + _within(look, refused, found), refused
+
+
+def _fits(found: Sequence[Seen]) -> list[SolidFit]:
+    return [each.fit for _, each in found]
+
+
+def _risen(warped: WarpedViews, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Unread]:
+    """What rises from the table in outlines that are several, some of which may lie there."""
+    outlines = [each.left for each in refused if each.reason == "merged" and each.left and each.right]
+    hulls = [(left, hull) for left in outlines for hull in warped.rising(left, _fits(found))]
+    return [Unread("merged", without_edges(left, hull), None) for left, hull in hulls]
+
+
+def _within(look: LastLook, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Seen]:
+    """What is found within outlines that are several, or reach beyond the views."""
+    rig, more = look.images.rig, list[Seen]()
+    cameras = rig.left, rig.right
+    for disc in discs_within(refused, _fits(found), rig):
+        known = _fits([*found, *more])
+        if any(covers(fit, disc.centre_px, cameras[disc.view]) for fit in known):
+            continue
+        another = look.at_refused(disc.unread, known)
+        if another is not None and disc.is_filled_by(another[1].fit, rig):
+            more.append(_by_itself(another, rig))
+    return more
+
+
+def _by_itself(seen: Seen, rig: StereoRig) -> Seen:
+    """The same with the outlines that the solid has: those that it was found in were none of its own."""
+    ((left, right), where), there = seen
+    fit = there.fit
+    blobs = without_edges(left, fit.silhouette_px(rig.left)), without_edges(right, fit.silhouette_px(rig.right))
+    return (blobs, where), there
