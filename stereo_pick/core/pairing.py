@@ -15,6 +15,10 @@ NOT_STAMPED = (
     "images have the stamp 0: the driver does not set header.stamp, and nothing else tells which left and right image "
     "belong together; let it set the time of exposure"
 )
+REPEATED = (
+    "images repeat the stamp of the one before: nothing tells which left and right image belong together; let the "
+    "driver set the time of exposure of each"
+)
 MOST_OFFSET_S = 1.0  # between the stamps of a pair: farther apart they are of different times
 _NS_PER_S = 1_000_000_000
 
@@ -53,6 +57,27 @@ class PairingCounts:
 class _Item(Generic[T]):
     stamp_ns: int
     value: T
+
+
+class StampOrder:
+    """Whether the stamps of each side are those of one image each, and rise."""
+
+    def __init__(self) -> None:
+        self._last_ns: dict[Side, int] = {}
+
+    def fault(self, side: Side, stamp_ns: int) -> str | None:
+        """Why an image of this stamp, the next one of its side, belongs to no other; None where it may."""
+        if stamp_ns == 0:
+            return NOT_STAMPED
+        return REPEATED if stamp_ns == self._last_ns.get(side) else None
+
+    def starts_over(self, side: Side, stamp_ns: int) -> bool:
+        """Whether time goes back with this image, as where a replay starts over: what came before pairs no more."""
+        is_back = stamp_ns < self._last_ns.get(side, stamp_ns)
+        if is_back:
+            self._last_ns.clear()
+        self._last_ns[side] = stamp_ns
+        return is_back
 
 
 class StampPairer(Generic[T]):

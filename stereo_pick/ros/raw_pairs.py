@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image
 from stereo_pick.core.arrays import Image as Pixels
 from stereo_pick.core.errors import ImageError
 from stereo_pick.core.images import FULL_SCALE_16, pixels
-from stereo_pick.core.pairing import MOST_OFFSET_S, NOT_STAMPED, Pair, PairingCounts, Side, StampPairer
+from stereo_pick.core.pairing import MOST_OFFSET_S, Pair, PairingCounts, Side, StampOrder, StampPairer
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
 from stereo_pick.ros.messages.images import buffer_of
@@ -55,7 +55,8 @@ class RawPairs:
         self._node = node
         self._paired = paired
         self._last_ns: dict[str, int] = {}
-        self._last_stamp_ns: dict[str, int] = {}
+        self._order = StampOrder()
+        self._faults: dict[str, str] = {}
         self.restart(0.0)
 
     def listen(self) -> None:
@@ -81,12 +82,12 @@ class RawPairs:
             self._paired(pair)
 
     def trouble(self) -> Status | None:
-        """What is missing, if anything is."""
+        """What is missing or wrong with the last images, if anything is."""
         if self.counts.pairs == 0:
             return Status(self.missing_level(), self._why_no_pair())
         silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in self._silent()]
         if not silent:
-            return self._many_unpaired()
+            return Status(ERROR, self._fault()) if self._faults else self._many_unpaired()
         level = WARN if len(silent) == len(SIDES) else ERROR
         message = f"no image on {' and '.join(silent)} any more: is the camera running?"
         return Status(level, message + self._if_published(silent))
@@ -102,8 +103,13 @@ class RawPairs:
         silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in SIDES if side not in self._last_ns]
         if len(silent) == len(SIDES):
             return f"no image on {' and '.join(silent)}: are the cameras running?{self._if_published(silent)}"
-        explained = self._pairer.explain()
-        return f"no image on {silent[0]}: {explained}{self._if_published(silent)}" if silent else explained
+        if silent:
+            return f"no image on {silent[0]}: {self._pairer.explain()}{self._if_published(silent)}"
+        return self._fault() if self._faults else self._pairer.explain()
+
+    def _fault(self) -> str:
+        """What is wrong with the stamps of the last images."""
+        return " ".join(self._faults.values())
 
     def _if_published(self, topics: Sequence[str]) -> str:
         """What else may be wrong with topics on which nothing arrives although somebody publishes them."""
@@ -131,12 +137,13 @@ class RawPairs:
         self._last_ns[side] = self._now_ns()
         self._first_ns = self._first_ns or self._last_ns[side]
         taken_ns = stamp_ns(message.header.stamp)
-        if taken_ns == 0:
-            raise ImageError(f"{self._node.resolve_topic_name(IMAGE_RAW[side].name)}: {NOT_STAMPED}")
-        if taken_ns < self._last_stamp_ns.get(side, taken_ns):  # a replay that starts over: nothing old pairs any more
+        fault = self._order.fault(side, taken_ns)
+        if fault is not None:
+            self._faults[side] = f"{self._node.resolve_topic_name(IMAGE_RAW[side].name)}: {fault}"
+            raise ImageError(self._faults[side])
+        self._faults.pop(side, None)
+        if self._order.starts_over(side, taken_ns):
             self._pairer.flush()
-            self._last_stamp_ns.clear()
-        self._last_stamp_ns[side] = taken_ns
         dropped = self._dropped()
         pairs = self._pairer.add(side, taken_ns, message)
         self._recent.extend([False] * (self._dropped() - dropped) + [True] * 2 * len(pairs))

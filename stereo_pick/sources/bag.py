@@ -14,7 +14,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ParameterError, SourceError
 from stereo_pick.core.images import FULL_SCALE_16, ImageBuffer, decode_compressed, encode
-from stereo_pick.core.pairing import MOST_OFFSET_S, NOT_STAMPED, Pair, Side, StampPairer
+from stereo_pick.core.pairing import MOST_OFFSET_S, Pair, Side, StampOrder, StampPairer
 from stereo_pick.sources.bag_reader import Recorded, messages, opened
 from stereo_pick.sources.bag_topics import COMPRESSED_TYPE, camera_info_topic, choose_topics
 from stereo_pick.sources.source import SourcePair
@@ -85,17 +85,20 @@ class BagSource:
     def __iter__(self) -> Iterator[SourcePair]:
         """Yield the pairs; what was recorded before a damage comes before its error.
 
-        Raises SourceError where the bag is damaged, its images are not stamped, its calibration changes or nothing
-        pairs (with the reason), ImageError on a compressed image that cannot be decoded.
+        Raises SourceError where the bag is damaged, its images are not stamped or several alike, its calibration
+        changes or nothing pairs (with the reason), ImageError on a compressed image that cannot be decoded.
         """
         pairer: StampPairer[Recorded] = StampPairer(round(self.max_stamp_offset_s * 1e9))
-        damage = None
+        order, damage = StampOrder(), None
         with opened(self.path) as reader:
             try:
                 for recorded in self._images(reader):
                     side: Side = "left" if recorded.topic == self.left_topic else "right"
-                    if recorded.stamp_ns == 0:
-                        raise SourceError(f"{self.path}: {recorded.topic}: {NOT_STAMPED}")
+                    fault = order.fault(side, recorded.stamp_ns)
+                    if fault is not None:
+                        raise SourceError(f"{self.path}: {recorded.topic}: {fault}")
+                    if order.starts_over(side, recorded.stamp_ns):
+                        yield from map(self._source_pair, pairer.flush())
                     yield from map(self._source_pair, pairer.add(side, recorded.stamp_ns, recorded))
             except SourceError as error:
                 damage = error

@@ -163,6 +163,20 @@ def test_rectification_pairs_no_images_without_stamps(graph: Graph) -> None:
     cameras.until(unstamped, told_so, "no stamps")
 
 
+def test_rectification_pairs_no_images_whose_stamps_repeat_and_the_next_ones_again(graph: Graph) -> None:
+    graph.host(RectificationNode(graph.context))
+    cameras = Cameras(graph)
+    cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it works")
+
+    def repeated() -> None:
+        cameras.stamp_ns = START_NS
+        cameras.pair()
+
+    told_so = told(graph, "rectification", ERROR, "/image_raw: images repeat the stamp of the one before", "exposure")
+    cameras.until(repeated, told_so, "stamps that stay")
+    cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it works again")
+
+
 def test_rectification_names_the_camera_that_has_gone_and_rejoices_when_it_is_back(graph: Graph) -> None:
     graph.host(RectificationNode(graph.context))
     cameras = Cameras(graph)

@@ -393,6 +393,28 @@ def test_images_without_stamps_are_no_pairs(tmp_path: Path, write: Any) -> None:
         list(open_source(write(tmp_path / "bag", unstamped)))
 
 
+def test_images_of_one_stamp_are_no_pairs(tmp_path: Path, write: Any) -> None:
+    alike = [replace(each, stamp_ns=10**18, log_ns=each.time) for each in stereo(4)]
+    del alike[2]  # from here on each right image would pair with the left one of the next moment
+    source = open_source(write(tmp_path / "bag", alike))
+    with pytest.raises(SourceError, match=f"{RIGHT}: images repeat the stamp of the one before"):
+        list(source)
+    first = next(iter(source))
+    assert [bytes(side.data) for side in (first.left, first.right)] == [picture(i).tobytes() for i in (0, 1)]
+
+
+def test_no_image_pairs_with_one_of_another_lap(tmp_path: Path, write: Any) -> None:
+    """A recording of a replay that started over: each lap has the stamps of the other, and pictures of its own."""
+    first, second = stereo(4), stereo(8)[8:]
+    lap_ns = 10**9
+    second = [replace(two, stamp_ns=one.stamp_ns, log_ns=one.time + lap_ns) for one, two in zip(first, second)]
+    del first[-2], second[-1]  # the last left image of the first lap, the last right one of the second
+    found = list(open_source(write(tmp_path / "bag", first + second)))
+    shown = {picture(i).tobytes(): i for i in range(16)}
+    pairs = [tuple(shown[bytes(side.data)] for side in (each.left, each.right)) for each in found]
+    assert pairs == [(0, 1), (2, 3), (4, 5), (8, 9), (10, 11), (12, 13)]
+
+
 @pytest.mark.parametrize("offset_s", [-0.001, 1.001, float("nan"), float("inf")])
 def test_an_impossible_offset_is_refused(tmp_path: Path, offset_s: float) -> None:
     with pytest.raises(ParameterError, match="max_stamp_offset_s"):
