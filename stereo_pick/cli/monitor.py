@@ -70,6 +70,12 @@ class Monitor:
             self._node.count_subscribers(name) > 0 for name in _AWAITED
         )
 
+    def taken_topic(self, own_poses: int) -> str | None:
+        """A topic of this chain that others publish already; own_poses: how many of its nodes publish poses by now."""
+        own = {OBJECT_POSES.name: own_poses, **dict.fromkeys((IMAGE_RAW[side].name for side in SIDES), 0)}
+        taken = [name for name, count in own.items() if self._node.count_publishers(name) > count]
+        return self._node.resolve_topic_name(taken[0]) if taken else None
+
     def close(self) -> None:
         """Leave the ROS graph."""
         self._executor.remove_node(self._node)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import sys
 import threading
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 _RATES = (0.01, 100.0)
 _START_S = 20.0
 _SETTLE_S = 0.5
+_DISCOVERED_S = 1.0  # others in the domain
 _QUIET_S = 1.0
 _SPIN_S = 0.05
 
@@ -125,6 +127,8 @@ def run_chain(
         monitor = Monitor(show, _complain)
         try:
             if one_process:
+                _spin_for(monitor, _DISCOVERED_S, stop)
+                _check_alone(monitor, own_poses=0)
                 chain.start("stereo_pick", {**capture, **values})
             else:
                 _start_downstream(chain, monitor, values, stop)
@@ -157,6 +161,18 @@ def _start_downstream(chain: Chain, monitor: Monitor, values: Mapping[str, Value
         if time.monotonic() > deadline:
             raise SourceError(f"the nodes found no way to each other within {_START_S:.0f} s: is the network blocked?")
     _spin_for(monitor, _SETTLE_S, stop)
+    _check_alone(monitor, own_poses=1)
+
+
+def _check_alone(monitor: Monitor, own_poses: int) -> None:
+    topic = monitor.taken_topic(own_poses)
+    if topic is None:
+        return
+    domain = int(os.environ.get("ROS_DOMAIN_ID") or 0)
+    raise SourceError(
+        f"something else publishes {topic} in ROS domain {domain}, and its poses would mix with these: end it (once "
+        f"killed it is forgotten after some 20 s), or take a domain of your own: ROS_DOMAIN_ID={domain + 1}"
+    )
 
 
 def _follow(chain: Chain, monitor: Monitor, last: str, stop: threading.Event) -> None:

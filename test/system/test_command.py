@@ -230,6 +230,20 @@ def test_run_loops_until_a_signal_and_leaves_no_process(
     assert processes_in(system.domain) == []
 
 
+def test_a_second_run_in_one_domain_is_refused_and_the_first_goes_on(bag: Path, system: System) -> None:
+    first = system.start_command("run", "--source", str(bag), "--rate", "0.5", "--loop", "--one-process")
+    system.graph.wait(lambda: shown(first.output), f"poses: {first.output}")
+    for more in ([], ["--one-process"]):
+        second = system.start_command("run", "--source", str(bag), *more)
+        assert second.wait() == 1
+        assert f"publishes /object_poses in ROS domain {system.domain}" in second.output
+        assert f"ROS_DOMAIN_ID={system.domain + 1}" in second.output
+    count = len(shown(first.output))
+    system.graph.wait(lambda: len(shown(first.output)) > count, f"more poses: {first.output}")
+    status, _ = first.end(signal.SIGINT)
+    assert status == 0 and "rror" not in first.output
+
+
 def test_nodes_end_when_what_started_them_was_killed(bag: Path, system: System) -> None:
     child = system.start_command("run", "--source", str(bag), "--rate", "0.5", "--loop", "--one-process")
     system.graph.wait(lambda: shown(child.output), f"poses: {child.output}")
