@@ -17,6 +17,9 @@ _D_LENGTHS = {
     "equidistant": (4,),
 }
 
+# Focal lengths by the larger side of the image: from 157 degrees of view to half a degree
+_LEAST_FOCAL, _MOST_FOCAL = 0.1, 100.0
+
 
 @dataclass(frozen=True, eq=False)
 class Camera:
@@ -109,6 +112,7 @@ class Camera:
                     f"{self.name} camera: focal length {name}[0,0] = {matrix[0, 0]:g}, {name}[1,1] = "
                     f"{matrix[1, 1]:g} px must be positive: is the camera calibrated?"
                 )
+        self._check_proportion()
         if np.abs(self.R @ self.R.T - np.eye(3)).max() > 1e-3 or np.linalg.det(self.R) < 0:
             raise CalibrationError(f"{self.name} camera: R is not a rotation matrix; calibrate again")
         if self.distortion_model not in _D_LENGTHS:
@@ -120,4 +124,14 @@ class Camera:
             raise CalibrationError(
                 f"{self.name} camera: {len(self.D)} distortion coefficients do not fit {self.distortion_model!r}, "
                 f"which has {' or '.join(map(str, _D_LENGTHS[self.distortion_model]))}"
+            )
+
+    def _check_proportion(self) -> None:
+        focal_px = float(self.K[0, 0])
+        part = focal_px / max(self.frame_size)
+        if not _LEAST_FOCAL <= part <= _MOST_FOCAL:
+            raise CalibrationError(
+                f"{self.name} camera: focal length K[0,0] = {focal_px:g} px is no lens's for an image of "
+                f"{self.width_px} x {self.height_px}: that would be {_LEAST_FOCAL:g} to {_MOST_FOCAL:g} times as many "
+                "pixels as its larger side; it counts in pixels, not in millimetres or metres"
             )

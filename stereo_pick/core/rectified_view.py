@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.transform import Transform
 
 _MIN_SCALE = 0.5  # a wide lens has no perspective image of its whole field; the edges go first
 _LOST_PERCENT = 0.5  # of the pixels at each border: a lens model may run wild in the far corners
 _GRID = 64
+_LEAST_COVERED = 0.01  # of a rectified view
 
 
 def rectified_view(left: Camera, right: Camera, right_T_left: Transform) -> tuple[Camera, Camera]:
@@ -86,9 +88,17 @@ def _common_rows(left: Floats, right: Floats) -> Floats:
 
 @lru_cache(maxsize=8)
 def valid_region(camera: Camera) -> Bools:
-    """Mask (H, W), read-only, of the rectified pixels that the raw image covers."""
+    """Mask (H, W), read-only, of the rectified pixels that the raw image covers.
+
+    Raises CalibrationError where these are next to none.
+    """
     map_x, map_y = rectification_maps(camera)
     inside: Bools = (map_x >= 0) & (map_x <= camera.width_px - 1) & (map_y >= 0) & (map_y <= camera.height_px - 1)
+    if inside.mean() < _LEAST_COVERED:
+        raise CalibrationError(
+            f"{camera.name} camera: its rectified view shows nothing of its image, with D = "
+            f"{np.array2string(camera.D, precision=3)}: calibrate again"
+        )
     inside.setflags(write=False)
     return inside
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from rigs import RIGS, SIZE_PX, camera, looking_at, random_rigs, rotation
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.rectified_view import rectification_maps, rectifying_rotations, valid_region
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.transform import Transform
@@ -141,6 +144,11 @@ def test_the_valid_region_is_where_the_raw_image_reaches() -> None:
     clearly_out = ((raw < -0.01) | (raw > np.array(SIZE_PX) - 0.99)).any(axis=2)
     assert region[clearly_in].all() and not region[clearly_out].any() and not region.flags.writeable
     assert clearly_in.any() and clearly_out.any()
+
+
+def test_a_lens_that_shows_nothing_is_refused() -> None:
+    with pytest.raises(CalibrationError, match=r"left camera: its rectified view shows nothing .* D = \[1\.e\+09"):
+        valid_region(replace(camera("left"), D=np.array([1e9, 0, 0, 0, 0])))
 
 
 def test_a_wide_lens_keeps_half_its_scale() -> None:
