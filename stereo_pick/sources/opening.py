@@ -42,6 +42,6 @@ def open_source(
 
 
 def _is_bag(path: Path) -> bool:
-    if path.is_file():
-        return path.suffix in BAG_SUFFIXES
+    if not path.is_dir():
+        return path.is_file() and path.suffix in BAG_SUFFIXES
     return (path / "metadata.yaml").exists() or any(file.suffix in BAG_SUFFIXES for file in path.iterdir())

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import cv2
@@ -134,3 +135,10 @@ def test_an_impossible_rate_is_refused(tmp_path: Path, rate_hz: float) -> None:
     make(tmp_path, "left.png", "right.png")
     with pytest.raises(ParameterError, match="rate_hz"):
         open_source(tmp_path, rate_hz=rate_hz)
+
+
+def test_what_is_neither_file_nor_folder_is_named(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.mcap")
+    for path in (tmp_path / "pipe.mcap", Path("/dev/null")):
+        with pytest.raises(SourceError, match=f"{path} is no bag .* and no folder of image pairs"):
+            open_source(path)
