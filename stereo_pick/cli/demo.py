@@ -16,7 +16,7 @@ from stereo_pick.cli.locate import write_picture
 from stereo_pick.cli.run import run_chain
 from stereo_pick.core.configuration import steps
 from stereo_pick.core.correspondence.assignment import assign
-from stereo_pick.core.errors import SourceError
+from stereo_pick.core.errors import ParameterError, SourceError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.rig import StereoRig
@@ -89,9 +89,12 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run the demo; raises SourceError where its bag is not installed."""
+    """Run the demo; raises SourceError where its bag is not installed, ParameterError on an unusable --output."""
     bags = find_bags()
-    args.output.mkdir(parents=True, exist_ok=True)
+    try:
+        args.output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ParameterError(f"--output {args.output} cannot be made: {error.strerror}; name a folder") from None
     os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))  # apart from a robot that is running
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     score = _replayed(bags)

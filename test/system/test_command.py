@@ -279,6 +279,14 @@ def test_the_demo_ends_with_its_verdict(tmp_path: Path) -> None:
     assert all(float(row.split()[-1]) < 3 for row in rows)
 
 
+def test_a_folder_that_cannot_be_made_is_named_by_the_demo(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("kept")
+    for output, reason in ((tmp_path / "file", "File exists"), (tmp_path / "file" / "out", "Not a directory")):
+        line = stereo_pick_here("demo", "--output", output).error
+        assert f"--output {output} cannot be made: {reason}; name a folder" in line
+    assert (tmp_path / "file").read_text() == "kept"
+
+
 @pytest.mark.parametrize("stopped", [False, True])
 def test_the_demo_goes_slower_where_pairs_were_lost_but_not_after_ctrl_c(
     stopped: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
