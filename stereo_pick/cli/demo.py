@@ -89,7 +89,10 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run the demo; raises SourceError where its bag is not installed, ParameterError on an unusable --output."""
+    """Run the demo until its verdict, or Ctrl-C, which is no failure.
+
+    Raises SourceError where its bag is not installed, ParameterError on an unusable --output.
+    """
     bags = find_bags()
     try:
         args.output.mkdir(parents=True, exist_ok=True)
@@ -97,7 +100,10 @@ def run(args: argparse.Namespace) -> int:
         raise ParameterError(f"--output {args.output} cannot be made: {error.strerror}; name a folder") from None
     os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))  # apart from a robot that is running
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    score = _replayed(bags)
+    score, stopped = _replayed(bags)
+    if stopped:
+        print(f"demo: stopped after {score.frames} of {len(score.truth)} pairs")
+        return 0
     picture = args.output / "annotated.png"
     _draw(bags / "demo", picture)
     good, line = score.verdict()
@@ -106,8 +112,8 @@ def run(args: argparse.Namespace) -> int:
     return 0 if good else 1
 
 
-def _replayed(bags: Path) -> Score:
-    """What came of the bag; once more, and slower, where pairs were lost on the way."""
+def _replayed(bags: Path) -> tuple[Score, bool]:
+    """What came of the bag, and whether a signal ended it; once more, and slower, where pairs were lost on the way."""
     truth, header = load_truth(bags / "demo_truth.json"), ("x, y, z measured [mm]", "x, y, z true [mm]")
     score = Score(truth)
     for rate in _RATES:
@@ -116,9 +122,9 @@ def _replayed(bags: Path) -> Score:
         print(f"{'time s':>8} {'object':<10} {header[0]:>26}  {header[1]:>26} {'error':>7}", flush=True)
         outcome = run_chain({"source": str(bags / "demo"), "rate": rate}, {}, score.receive)
         if outcome.stopped or score.frames >= len(truth):
-            break
+            return score, outcome.stopped
         print(f"{score.frames} of {len(truth)} pairs came through: this machine is busy", flush=True)
-    return score
+    return score, False
 
 
 def find_bags() -> Path:
