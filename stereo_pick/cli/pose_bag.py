@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -27,20 +27,22 @@ _NS_PER_S = 1_000_000_000
 def write_pose_bag(source: Path, output: Path, results: Iterable[tuple[SourcePair, Result]]) -> None:
     """Write `output` (.mcap): the messages of the bag `source` as they are, and a PoseArray for every pair.
 
-    Raises SourceError where `output` exists, or `source` is no rosbag2 or has poses already.
+    Raises SourceError where `output` exists or cannot be written, or `source` is no rosbag2 or has poses already.
     """
     if output.exists():
         raise SourceError(f"--output {output} exists already: remove it, or name another file")
-    folder = output.with_suffix(".writing")
     try:
-        with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-            _copy(source, writer)
-            _write_poses(writer, results)
-        next(folder.glob("*.mcap")).replace(output)
+        output.parent.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(".writing", f".{output.name}.", output.parent, ignore_cleanup_errors=True) as made:
+            folder = Path(made) / "bag"
+            with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+                _copy(source, writer)
+                _write_poses(writer, results)
+            next(folder.glob("*.mcap")).replace(output)
+    except OSError as error:
+        raise SourceError(f"--output {output} cannot be written: {error.strerror}") from None
     except (WriterError, TypesysError) as error:
         raise SourceError(f"--output {output} cannot be written: {error}") from None
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _copy(source: Path, writer: Writer) -> None:

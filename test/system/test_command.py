@@ -131,6 +131,18 @@ def test_replay_writes_lines_or_a_bag_with_the_poses_in_it(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["poses.jsonl", "poses.mcap"]
 
 
+def test_a_bag_with_poses_takes_the_place_of_nothing_beside_it(bag: Path, tmp_path: Path) -> None:
+    notes = tmp_path / "poses.writing" / "notes.txt"
+    notes.parent.mkdir()
+    notes.write_text("the only copy")
+    done = stereo_pick_here("replay", bag, "--output", tmp_path / "poses.mcap")
+    assert (done.status, done.stderr) == (0, "")
+    assert notes.read_text() == "the only copy"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["poses.mcap", "poses.writing"]
+    line = stereo_pick_here("replay", bag, "--output", "/proc/poses.mcap").error
+    assert "--output /proc/poses.mcap cannot be written: No such file or directory" in line
+
+
 def recorded(bag: Path, without: str = "") -> list[tuple[str, int, bytes]]:
     with AnyReader([bag]) as reader:
         return [(c.topic, time_ns, bytes(raw)) for c, time_ns, raw in reader.messages() if c.topic != without]
