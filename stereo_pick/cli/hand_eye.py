@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 
 from stereo_pick.cli.options import add_depth_option
+from stereo_pick.cli.outputs import keep
 from stereo_pick.core.calibration.any_board import Board, parse_board
-from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.calibration.files import load_rig, rig_files
 from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ImageError
@@ -18,7 +19,7 @@ from stereo_pick.core.hand_eye.pairs import RobotView
 from stereo_pick.core.hand_eye.recording import RecordedPair, RecordedPairs, read_recording
 from stereo_pick.core.hand_eye.result import HandEye
 from stereo_pick.core.hand_eye.solving import solve_hand_eye
-from stereo_pick.core.hand_eye.touched import solve_touched
+from stereo_pick.core.hand_eye.touched import TouchedPoint, solve_touched
 from stereo_pick.core.images import read_image
 from stereo_pick.core.rig import StereoRig
 
@@ -85,6 +86,7 @@ def run(args: argparse.Namespace) -> int:
     except CalibrationError as error:
         raise CalibrationError(f"{args.recording}: {error}") from None
     output = args.output or Path(f"{result.name}.yaml")
+    keep(_inputs(args, recording), "--output", output, "one of the files it is made from")
     made_with = calibration_hash(rig) if rig is not None else ""
     parent_frame = args.parent_frame or _FRAMES[result.parent]
     save_hand_eye(FramedHandEye(result, parent_frame, args.child_frame, made_with), output)
@@ -108,6 +110,13 @@ def report(result: HandEye) -> str:
         *(("warning", text) for text in result.warnings),
     ]
     return "\n".join(f"{label:<10}{text}".rstrip() for label, text in lines)
+
+
+def _inputs(args: argparse.Namespace, recording: RecordedPairs | tuple[TouchedPoint, ...]) -> list[Path]:
+    """All files that are read."""
+    calibration = rig_files(args.calibration) if args.calibration is not None else []
+    pairs = recording.pairs if isinstance(recording, RecordedPairs) else ()
+    return [args.recording, *calibration, *(pair.image for pair in pairs if pair.image is not None)]
 
 
 def _from_pairs(recording: RecordedPairs, args: argparse.Namespace, rig: StereoRig | None) -> HandEye:

@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 
 from stereo_pick.cli.options import add_depth_option, add_pipeline_options, pipeline_values
+from stereo_pick.cli.outputs import keep
 from stereo_pick.cli.positioning import add_positioning_options, positioning_of
 from stereo_pick.cli.report import result_mapping, result_text
 from stereo_pick.core.annotation import annotate
@@ -63,8 +64,8 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 def run(args: argparse.Namespace) -> int:
     """Locate and print; raises StereoPickError on unusable input, ImageError on exchanged images."""
-    if args.picture is not None and args.picture.resolve() in (args.left.resolve(), args.right.resolve()):
-        raise ImageError(f"--picture {args.picture} is one of the two images: give another file, or it would be lost")
+    if args.picture is not None:
+        keep((args.left, args.right), "--picture", args.picture, "one of the two images")
     values = pipeline_values(args)
     rig = load_rig(args.calibration)
     pipeline = Pipeline(rig, steps(values), positioning_of(args, rig))

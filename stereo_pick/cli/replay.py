@@ -11,6 +11,7 @@ from typing import TextIO
 
 from stereo_pick.cli.locate import rig_fault_of
 from stereo_pick.cli.options import add_depth_option, add_pipeline_options, pipeline_values
+from stereo_pick.cli.outputs import keep
 from stereo_pick.cli.positioning import add_positioning_options, positioning_of
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.report import result_mapping
@@ -91,6 +92,8 @@ def add_reading_options(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Replay; raises StereoPickError on unusable input, after what came before it was written."""
     source, values = opened_source(args), pipeline_values(args)
+    if args.output is not None:
+        keep(source.paths, "--output", args.output, "part of the recording")
     rig, method = source_rig(source, args), str(values["method"])
     pipeline = Pipeline(rig, steps(values), positioning_of(args, rig))
     results = progress(_results(pipeline, source), source.count, "pairs")

@@ -66,6 +66,11 @@ class BagSource:
         return BagSource(path, left_topic, right_topic, max_stamp_offset_s, count, uses_camera_info, full_scale_16)
 
     @property
+    def paths(self) -> tuple[Path, ...]:
+        """The bag's file or folder."""
+        return (self.path,)
+
+    @property
     def has_stamps(self) -> bool:
         """True: every image message has one."""
         return True

@@ -63,6 +63,11 @@ class ImageFolder:
         return len(self.pairs)
 
     @property
+    def paths(self) -> tuple[Path, ...]:
+        """The image files: others in the folder are none of its business."""
+        return tuple(file for pair in self.pairs for file in pair)
+
+    @property
     def has_stamps(self) -> bool:
         """False: files do not say when their images were taken."""
         return False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
 
 from stereo_pick.core.arrays import Image
@@ -39,6 +40,10 @@ class StereoSource(Protocol):
     @property
     def count(self) -> int | None:
         """How many pairs there are, if every image has its partner; None where nobody knows."""
+
+    @property
+    def paths(self) -> tuple[Path, ...]:
+        """The files that are read, or the folder of which every file belongs to the recording."""
 
     @property
     def has_stamps(self) -> bool:

@@ -176,6 +176,21 @@ def test_what_is_wrong_is_said_with_file_and_entry(
     assert says in complaint(tmp_path, content, capsys)
 
 
+def test_the_recording_and_the_calibration_are_not_overwritten(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    camera = Camera("left", 320, 240, K, np.zeros(5), np.eye(3), np.eye(3, 4))
+    save_rig(StereoRig.from_extrinsics(camera, camera, Transform(np.eye(3), np.array([-0.06, 0, 0]))), tmp_path / "rig")
+    recording = tmp_path / "pairs.yaml"
+    recording.write_text(yaml.safe_dump(pairs()))
+    for output in (recording, tmp_path / "rig" / "left.yaml"):
+        before = output.read_bytes()
+        arguments = ["hand-eye", str(recording), "--calibration", str(tmp_path / "rig"), "--output", str(output)]
+        assert main(arguments) == 1
+        assert f"--output {output} is one of the files it is made from: give another" in capsys.readouterr().err
+        assert output.read_bytes() == before
+
+
 def test_images_need_the_board_and_must_show_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     content = pairs()
     content["pairs"][0] = {"base_T_flange": content["pairs"][0]["base_T_flange"], "image": "empty.png"}

@@ -61,6 +61,17 @@ def test_the_parameter_is_the_table(folder: Path, capsys: pytest.CaptureFixture[
     np.testing.assert_allclose(Table.parsed(text).height_m(under @ RIG.left.R.T), 0, atol=5e-4)
 
 
+@pytest.mark.parametrize("file", ["board/left01.png", "rig/right.yaml"])
+def test_what_is_measured_from_is_not_overwritten(file: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = (folder / file).read_bytes()
+    (folder / "link.yaml").symlink_to(folder / file)
+    for output in (folder / file, folder / "rig" / ".." / file, folder / "link.yaml"):
+        assert measure(folder, "--output", str(output)) == 1
+        said = capsys.readouterr()
+        assert f"--output {output} is part of the recording or of the calibration: give another file" in said.err
+        assert said.out == "" and (folder / file).read_bytes() == before
+
+
 def test_no_board_another_size_and_no_folder_are_said(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert measure(folder, source="empty") == 1
     assert "no chessboard of 7x5 inner corners found in both images of any of 1 pairs" in capsys.readouterr().err

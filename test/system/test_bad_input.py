@@ -256,6 +256,27 @@ def test_a_picture_in_the_place_of_an_image_is_refused_by_locate(good: Good, tmp
     assert image.read_bytes() == b"the only copy"
 
 
+def test_an_output_in_the_place_of_the_recording_is_refused_by_replay(good: Good, tmp_path: Path) -> None:
+    bag, images = shutil.copytree(good.bag, tmp_path / "bag"), shutil.copytree(good.images, tmp_path / "images")
+    (file,) = bag.glob("*.mcap")
+    (tmp_path / "link.jsonl").symlink_to(images / "left00.png")
+    kept = {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()}
+    for source, output in (
+        (bag, file),
+        (bag, bag / "metadata.yaml"),
+        (bag, bag / "poses.jsonl"),
+        (file, bag / ".." / "bag" / file.name),
+        (images, images / "left00.png"),
+        (images, tmp_path / "link.jsonl"),
+    ):
+        line, objects = replay(source, "--calibration", DEMO_RIG, "--output", output)
+        the_line(line, [f"--output {output} is part of the recording", "give another file"])
+        assert objects == []
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*") if path.is_file()} == kept
+    beside = stereo_pick_here("replay", images, "--calibration", DEMO_RIG, "--output", images / "poses.jsonl")
+    assert (beside.status, beside.stderr) == (0, "")
+
+
 def test_images_of_another_size_are_refused_by_locate(good: Good, tmp_path: Path) -> None:
     small = [cv2.resize(view, (320, 240)) for view in good.pairs[0]]
     folder = write_images(tmp_path / "small", [(small[0], small[1])])

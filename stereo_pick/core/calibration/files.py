@@ -32,17 +32,25 @@ def load_rig(path: Path) -> StereoRig:
 
     Raises CalibrationError, naming the file and the value, on anything that is missing or wrong.
     """
+    files = rig_files(path)
+    if len(files) == 1:
+        return load_opencv(files[0])
+    cameras = tuple(map(load_camera_info, files))
+    return _about(path, lambda: StereoRig.from_cameras(*cameras))
+
+
+def rig_files(path: Path) -> list[Path]:
+    """The files of a rig: left.yaml and right.yaml, or an OpenCV one; raises CalibrationError where there are none."""
     if path.is_file():
-        return load_opencv(path)
+        return [path]
     if not path.is_dir():
         raise CalibrationError(f"{path}: no such calibration folder or file")
-    left, right = path / "left.yaml", path / "right.yaml"
-    if left.is_file() and right.is_file():
-        cameras = load_camera_info(left), load_camera_info(right)
-        return _about(path, lambda: StereoRig.from_cameras(*cameras))
+    sides = [path / "left.yaml", path / "right.yaml"]
+    if all(side.is_file() for side in sides):
+        return sides
     for name in _OPENCV_NAMES:
         if (path / name).is_file():
-            return load_opencv(path / name)
+            return [path / name]
     have = ", ".join(sorted(file.name for file in path.iterdir()))
     raise CalibrationError(
         f"{path} holds neither left.yaml and right.yaml nor stereo.yaml, " + (f"but {have}" if have else "it is empty")
@@ -51,11 +59,10 @@ def load_rig(path: Path) -> StereoRig:
 
 def load_cameras(path: Path) -> tuple[Camera, Camera]:
     """The two cameras of what `load_rig` reads, with R and P as they stand in left.yaml and right.yaml."""
-    rig = load_rig(path)
-    left, right = path / "left.yaml", path / "right.yaml"
-    if left.is_file() and right.is_file():
-        return load_camera_info(left), load_camera_info(right)
-    return rig.left, rig.right
+    rig, files = load_rig(path), rig_files(path)
+    if len(files) == 1:
+        return rig.left, rig.right
+    return load_camera_info(files[0]), load_camera_info(files[1])
 
 
 def load_camera_info(path: Path) -> Camera:
