@@ -17,11 +17,12 @@ from stereo_pick.cli.progress import progress
 from stereo_pick.cli.report import result_mapping
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.configuration import steps
-from stereo_pick.core.errors import CalibrationError, ImageError, SourceError
+from stereo_pick.core.errors import CalibrationError, ImageError, ParameterError, SourceError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.pipeline import Pipeline, Result
 from stereo_pick.core.refusal import REASONS
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.sources.images import ImageFolder
 from stereo_pick.sources.opening import open_source
 from stereo_pick.sources.source import SourcePair, StereoSource, without_partner
 
@@ -94,6 +95,7 @@ def run(args: argparse.Namespace) -> int:
     source, values = opened_source(args), pipeline_values(args)
     if args.output is not None:
         keep(source.paths, "--output", args.output, "part of the recording")
+        _check_kind(args.output, source)
     rig, method = source_rig(source, args), str(values["method"])
     pipeline = Pipeline(rig, steps(values), positioning_of(args, rig))
     results = progress(_results(pipeline, source), source.count, "pairs")
@@ -111,6 +113,16 @@ def run(args: argparse.Namespace) -> int:
     except OSError as error:
         raise SourceError(f"--output {args.output} cannot be written: {error.strerror}") from None
     return 0
+
+
+def _check_kind(output: Path, source: StereoSource) -> None:
+    """Raise ParameterError for a file of another kind than can be written."""
+    if output.suffix not in (".jsonl", ".mcap"):
+        raise ParameterError(
+            f"--output {output} must end in .jsonl (a JSON object a pair) or .mcap (a bag with the poses in it)"
+        )
+    if output.suffix == ".mcap" and isinstance(source, ImageFolder):
+        raise ParameterError(f"--output {output}: a folder of images cannot become a bag of poses: give a .jsonl file")
 
 
 def opened_source(args: argparse.Namespace) -> StereoSource:

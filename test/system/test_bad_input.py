@@ -277,6 +277,16 @@ def test_an_output_in_the_place_of_the_recording_is_refused_by_replay(good: Good
     assert (beside.status, beside.stderr) == (0, "")
 
 
+def test_an_output_of_another_kind_is_refused_by_replay(good: Good, tmp_path: Path) -> None:
+    for name in ("poses.db3", "poses.json", "poses"):
+        line, objects = replay(good.bag, "--output", tmp_path / name)
+        the_line(line, [f"--output {tmp_path / name} must end in .jsonl", ".mcap"])
+        assert objects == []
+    line, _ = replay(good.images, "--calibration", DEMO_RIG, "--output", tmp_path / "poses.mcap")
+    the_line(line, ["poses.mcap: a folder of images cannot become a bag of poses: give a .jsonl file"])
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_images_of_another_size_are_refused_by_locate(good: Good, tmp_path: Path) -> None:
     small = [cv2.resize(view, (320, 240)) for view in good.pairs[0]]
     folder = write_images(tmp_path / "small", [(small[0], small[1])])
