@@ -16,6 +16,7 @@ import numpy as np
 import yaml
 
 from stereo_pick.core.arrays import Floats, floats
+from stereo_pick.core.calibration.yaml_file import read_yaml
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.rig import StereoRig
@@ -67,12 +68,7 @@ def load_cameras(path: Path) -> tuple[Camera, Camera]:
 
 def load_camera_info(path: Path) -> Camera:
     """Read one camera from a camera_info YAML; raises CalibrationError naming the file and the field."""
-    try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CalibrationError(f"{path}: cannot be read: {error.strerror}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise CalibrationError(f"{path}: is no YAML: {str(error).splitlines()[0]}") from None
+    data = read_yaml(path)
     if not isinstance(data, Mapping):
         raise CalibrationError(f"{path}: is no camera_info YAML")
     return _about(path, lambda: camera_from_mapping(data))

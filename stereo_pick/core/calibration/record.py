@@ -22,6 +22,7 @@ from stereo_pick.core.calibration.parameters import NAMES, UNITS
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.uncertainty import CalibrationUncertainty
 from stereo_pick.core.calibration.verdict import Verdict, Word, judge
+from stereo_pick.core.calibration.yaml_file import read_yaml
 from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.rig import StereoRig
 
@@ -66,12 +67,7 @@ def load_record(path: Path) -> CalibrationRecord:
     Raises CalibrationError, naming the file, where it is missing, incomplete or was changed after it was written.
     """
     path = path / FILE_NAME if path.is_dir() else path
-    try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CalibrationError(f"{path}: cannot be read: {error.strerror}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise CalibrationError(f"{path}: is no YAML: {str(error).splitlines()[0]}") from None
+    data = read_yaml(path)
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
         raise CalibrationError(f"{path}: is no {_FORMAT!r}; write one with `stereo-pick calibrate`")
     stated = data.pop("hash", None)

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
-
 from stereo_pick.core.arrays import floats
+from stereo_pick.core.calibration.yaml_file import read_yaml
 from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.hand_eye.pairs import Mount
 from stereo_pick.core.hand_eye.rotations import from_quaternion
@@ -60,12 +59,7 @@ def read_recording(path: Path) -> RecordedPairs | tuple[TouchedPoint, ...]:
 
 def read_mapping(path: Path) -> Mapping[str, Any]:
     """The content of a YAML file that holds names and values; raises CalibrationError naming the file."""
-    try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise CalibrationError(f"{path}: cannot be read: {error.strerror}") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise CalibrationError(f"{path}: is no YAML: {' '.join(str(error).split())}") from None
+    data = read_yaml(path)
     if not isinstance(data, Mapping):
         raise CalibrationError(f"{path}: holds no names with values")
     return data
