@@ -14,6 +14,7 @@ from stereo_pick.cli.options import add_depth_option
 from stereo_pick.cli.recorded_pairs import choose_pairs
 from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.detection import BoardImages
+from stereo_pick.core.calibration.verdict import check_given_baseline
 from stereo_pick.core.calibration_run import calibrate_from
 from stereo_pick.core.errors import CalibrationError, ParameterError
 from stereo_pick.core.frames import grey
@@ -90,6 +91,8 @@ def run(args: argparse.Namespace) -> int:
     but the page that says why, if a board was found at all.
     """
     board = parse_board(args.board, args.square)
+    if args.baseline is not None:
+        check_given_baseline(args.baseline)
     if args.output.exists() and not args.output.is_dir():
         raise CalibrationError(f"--output {args.output} is a file: name a folder")
     images, notes = _images(args, board)

@@ -18,7 +18,7 @@ from stereo_pick.cli.image_pairs import disagreement, find_files, pair_files
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.calibration.record import load_record
-from stereo_pick.core.errors import StereoPickError
+from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.transform import Transform
 
 BOARD = Chessboard(7, 5, 0.03)
@@ -222,6 +222,23 @@ def test_baseline_measured_on_the_rig_contradicts_a_wrong_square(images: Path) -
     assert "refused" in page and "is the square really 36 mm" in page and "Rms residuals" in page
     assert not list((images / "rig").glob("*.yaml"))
     assert run(*patterns, "--square", "0.03", "--output", f"{images}/rig", "--baseline", "0.06") == 0
+
+
+@pytest.mark.parametrize(
+    ("baseline", "says"),
+    [
+        ("-0.06", "baseline = -0.06 m must be positive: measure the distance of the two lenses"),
+        ("0", "baseline = 0 m must be positive"),
+        ("nan", "baseline = nan m must be positive"),
+        ("inf", "baseline = inf m must be positive"),
+        ("60", "baseline = 60 m is larger than 5 m, so it is probably in millimetres: give metres, 0.06"),
+    ],
+)
+def test_baseline_that_no_rig_has_is_refused_before_any_image_is_read(baseline: str, says: str, tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match=says):
+        run(
+            *("--bag", str(tmp_path), "--board", "7x5", "--square", "0.03"), f"--baseline={baseline}", "--output", "rig"
+        )
 
 
 def report(folder: Path) -> str:

@@ -17,12 +17,17 @@ _TEXT = re.compile(r"(?:chessboard\s*:)?\s*(\d+)\s*[x×*]\s*(\d+)\s*", re.IGNORE
 
 def check_square(square_m: float) -> None:
     """Raise ParameterError where no board has squares of this side [m]."""
-    if not (math.isfinite(square_m) and square_m > 0):
-        raise ParameterError(f"square = {square_m:g} m must be positive: measure the side of one square")
-    if square_m > 1:
+    check_metres("square", square_m, 1.0, "measure the side of one square")
+
+
+def check_metres(name: str, length_m: float, largest_m: float, remedy: str) -> None:
+    """Raise ParameterError for a length that was measured by hand and is none, or is one in millimetres."""
+    if not (math.isfinite(length_m) and length_m > 0):
+        raise ParameterError(f"{name} = {length_m:g} m must be positive: {remedy}")
+    if length_m > largest_m:
         raise ParameterError(
-            f"square = {square_m:g} m is larger than 1 m, so it is probably in millimetres: "
-            f"give metres, {square_m / 1000:g}"
+            f"{name} = {length_m:g} m is larger than {largest_m:g} m, so it is probably in millimetres: "
+            f"give metres, {length_m / 1000:g}"
         )
 
 

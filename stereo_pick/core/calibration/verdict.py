@@ -8,9 +8,11 @@ from enum import Enum
 
 import numpy as np
 
+from stereo_pick.core.calibration.boards import check_metres
 from stereo_pick.core.calibration.parameters import TRANSLATION
 from stereo_pick.core.calibration.result import FEW_VIEWS, CalibrationResult
 from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.rig import MAX_BASELINE_M
 
 _GOOD_RMS_PX = 0.5
 _GOOD_EPIPOLAR_PX, _MAX_EPIPOLAR = 0.5, 0.003  # the latter of the image width
@@ -47,6 +49,11 @@ def judge(result: CalibrationResult) -> Verdict:
         return Verdict(Word.REFUSED, faults)
     doubts = tuple((*_doubts(result), *_gaps(result)))
     return Verdict(Word.USABLE if doubts else Word.GOOD, doubts)
+
+
+def check_given_baseline(baseline_m: float) -> None:
+    """Raise ParameterError where no two lenses are so far [m] from each other."""
+    check_metres("baseline", baseline_m, MAX_BASELINE_M, "measure the distance of the two lenses, or leave it out")
 
 
 def check_baseline(result: CalibrationResult, baseline_m: float) -> None:
