@@ -143,4 +143,4 @@ def _read(pairs: Sequence[FilePair], full_scale_16: int) -> Iterator[BoardImages
 
 
 def _short(path: Path) -> str:
-    return f"{path.parent.name}/{path.name}"
+    return str(Path(*path.parts[-2:]))

@@ -125,6 +125,13 @@ def test_image_of_another_size_is_named(images: Path) -> None:
     assert "right2.png is 160 x 120" in refusal(images, "left*.png", "right*.png")
 
 
+def test_images_of_the_current_folder_are_named_by_their_paths(images: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cv2.imwrite(str(images / "right2.png"), np.zeros((120, 160), np.uint8))
+    monkeypatch.chdir(images)
+    message = refusal(Path(), "left*.png", "right*.png")
+    assert message.startswith("right2.png is 160 x 120, but left1.png is 320 x 240")
+
+
 def test_wrong_board_is_named(images: Path) -> None:
     assert "no chessboard of 9x6 inner corners" in refusal(images, "left[12].png", "right[12].png", board="9x6")
 
