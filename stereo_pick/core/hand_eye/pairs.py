@@ -11,13 +11,13 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.hand_eye.reach import check_reach
 from stereo_pick.core.hand_eye.rotations import rotation_vector
 from stereo_pick.core.transform import Transform
 
 MIN_PAIRS = 3
 MIN_TURN_DEG = 5.0
 MIN_OFF_AXIS_DEG = 3.0
-MAX_REACH_M = 20.0
 
 
 class Mount(Enum):
@@ -57,11 +57,7 @@ def check(views: Sequence[RobotView]) -> None:
             f"{len(views)} pairs of robot pose and board view: at least {MIN_PAIRS} are needed, 12 or more are good"
         )
     for view in views:
-        reach_m = float(np.linalg.norm(view.base_T_flange.translation))
-        if reach_m > MAX_REACH_M:
-            raise CalibrationError(
-                f"{view.name}: the flange is {reach_m:.0f} m from the base: its position is in millimetres, give metres"
-            )
+        check_reach(f"{view.name}: the flange", view.base_T_flange.translation, "base")
     for what, poses in (
         ("the robot's poses", [view.base_T_flange for view in views]),
         ("the board's views", [view.camera_T_board for view in views]),

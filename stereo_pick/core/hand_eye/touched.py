@@ -9,6 +9,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.hand_eye.reach import check_reach
 from stereo_pick.core.hand_eye.result import HandEye, Residual, UncertainTransform, small_sample_factor
 from stereo_pick.core.hand_eye.rotations import cross_matrix, nearest_rotation
 from stereo_pick.core.transform import Transform
@@ -72,6 +73,9 @@ def _checked(points: Sequence[TouchedPoint]) -> tuple[Floats, Floats]:
             f"the cameras see the points {ratio:.4g} times as far apart as the robot touched them: "
             "are both in metres, and is the stereo calibration's scale right?"
         )
+    for point in points:
+        check_reach(f"{point.name}, as touched,", point.base_xyz, "base")
+        check_reach(f"{point.name}, as seen,", point.camera_xyz, "camera")
     for who, xyz in (("touched", base), ("seen", camera)):
         along, across, _ = np.linalg.svd(xyz - xyz.mean(axis=0), compute_uv=False) / np.sqrt(len(xyz))
         if across < MIN_OFF_LINE * along:

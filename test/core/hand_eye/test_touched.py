@@ -72,6 +72,8 @@ def test_what_cannot_be_fitted_is_refused() -> None:
         solve_touched(touched(CORNERS[:2]))
     with pytest.raises(CalibrationError, match="1000 times as far apart"):
         solve_touched([TouchedPoint(p.name, p.base_xyz, p.camera_xyz * 1000) for p in touched(CORNERS)])
+    with pytest.raises(CalibrationError, match=r"point0, as touched, is 888 m from the base: .* give metres"):
+        solve_touched([TouchedPoint(p.name, p.base_xyz * 1000, p.camera_xyz * 1000) for p in touched(CORNERS)])
     with pytest.raises(CalibrationError, match="do not fit together"):
         solve_touched(
             [TouchedPoint(p.name, p.base_xyz, q.camera_xyz) for p, q in zip(touched(CORNERS), touched(CORNERS[::-1]))]
