@@ -90,8 +90,12 @@ def write_picture(path: Path, result: Result) -> None:
     """Write the annotated picture of a result; raises ImageError where that is not possible."""
     picture = annotate(result.pair, result.blobs, result.correspondences, result.poses)
     try:
-        written = cv2.imwrite(str(path), picture)
+        encoded, data = cv2.imencode(path.suffix, picture)
     except cv2.error:
-        written = False
-    if not written:
-        raise ImageError(f"{path} cannot be written: give a .png or .jpg file in a folder that exists")
+        encoded = False
+    if not encoded:
+        raise ImageError(f"{path} cannot be written: give a .png or .jpg file")
+    try:
+        path.write_bytes(data.tobytes())
+    except OSError as error:
+        raise ImageError(f"{path} cannot be written: {error.strerror}; give a file in a folder that exists") from None
