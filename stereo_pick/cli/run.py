@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _RATES = (0.01, 100.0)
 _START_S = 20.0
 _SETTLE_S = 0.5
-_DISCOVERED_S = 1.0  # others in the domain
+_DISCOVERED_S = 2.0  # others in the domain
 _QUIET_S = 1.0
 _SPIN_S = 0.05
 

@@ -70,8 +70,8 @@ class LastLook:
         another = self._best_of(blobs, others, free, clear, found.shown)
         if another is not None and another[1].is_clear and another[1].shown > found.shown + CHANCE:
             return another, np.zeros(3)
-        as_much = [there.fit for _, there in clear if there.shown >= found.shown and not agree(there.fit, found.fit)]
-        offs_m = [fit.centre_m - found.fit.centre_m for fit in as_much]
+        as_much = [there for _, there in free if there.shown >= found.shown and there.denied <= found.denied]
+        offs_m = [there.fit.centre_m - found.fit.centre_m for there in as_much if not agree(there.fit, found.fit)]
         return None, max(offs_m, key=lambda off: float(off @ off), default=np.zeros(3))
 
     def _clear_ones(self, blobs: BlobPair, free: Sequence[Found], shown: float) -> list[Found]:

@@ -122,7 +122,7 @@ def test_grain_on_which_nothing_stands_is_no_table(
         return adjusted_together(images, reading, known, flat, edge_radius_m)
 
     monkeypatch.setattr(feature, "grained_table", lambda *_: surface)
-    monkeypatch.setattr(feature, "adjusted_together", adjusted_there)
+    monkeypatch.setattr("stereo_pick.core.correspondence.scene.adjusted_together", adjusted_there)
     parts = (Cylinder(-0.05, 0.0, (0.04, 0.04, 0.05)), Box(0.05, 0.02, (0.05, 0.036, 0.04), yaw_rad=0.4))
     scene = Scene(parts, PLACED, ambient=0.7)
     poses = poses_of(scene)
