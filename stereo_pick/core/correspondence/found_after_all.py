@@ -22,7 +22,7 @@ def found_after_all(
     """What is seen, with those of the refused that are found where none of the others is; and what stays refused."""
     found, refused = list(seen), list(open_)
     for unread in may_be_found(open_):
-        another = look.at_refused(unread, _fits(found))
+        another = _found(look, warped, unread, _fits(found))
         if another is None:
             continue
         (blobs, _), there = another
@@ -31,10 +31,16 @@ def found_after_all(
             refused.remove(unread)
         refused = [each for each in refused if not is_seen_alone(each, there.fit, images)]
     for piece in _risen(warped, refused, found):
-        another = look.at_refused(piece, _fits(found))
+        another = _found(look, warped, piece, _fits(found))
         if another is not None:
             found.append(_by_itself(another, images.rig))
-    return found + _within(look, refused, found), refused
+    return found + _within(look, warped, refused, found), refused
+
+
+def _found(look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
+    """What was refused, if a solid is found instead and not the table in its place."""
+    seen = look.at_refused(unread, others)
+    return None if seen is None or warped.is_seen_in_place_of(seen[1].fit) else seen
 
 
 def _fits(found: Sequence[Seen]) -> list[SolidFit]:
@@ -48,7 +54,7 @@ def _risen(warped: WarpedViews, refused: Sequence[Unread], found: Sequence[Seen]
     return [Unread("merged", without_edges(left, hull), None) for left, hull in hulls]
 
 
-def _within(look: LastLook, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Seen]:
+def _within(look: LastLook, warped: WarpedViews, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Seen]:
     """What is found within outlines that are several, or reach beyond the views."""
     rig, more = look.images.rig, list[Seen]()
     cameras = rig.left, rig.right
@@ -56,7 +62,7 @@ def _within(look: LastLook, refused: Sequence[Unread], found: Sequence[Seen]) ->
         known = _fits([*found, *more])
         if any(covers(fit, disc.centre_px, cameras[disc.view]) for fit in known):
             continue
-        another = look.at_refused(disc.unread, known)
+        another = _found(look, warped, disc.unread, known)
         if another is not None and disc.is_filled_by(another[1].fit, rig):
             more.append(_by_itself(another, rig))
     return more

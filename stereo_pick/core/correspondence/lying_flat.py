@@ -91,8 +91,10 @@ class WarpedViews:
     def shows_through(self, fit: SolidFit) -> bool:
         """Whether the table, where it is known well enough to be told from a solid's surface, is seen where the solid
         would hide it from both cameras: there is none."""
-        if not self._is_known_for(float(fit.size_m.min())):
-            return False
+        return self._is_known_for(float(fit.size_m.min())) and self.is_seen_in_place_of(fit)
+
+    def is_seen_in_place_of(self, fit: SolidFit) -> bool:
+        """Whether the table, as far as it is known, is seen where a solid would hide it from both cameras."""
         hidden = self._hidden_by(fit)
         return int(hidden.sum()) >= _LEAST and float(self._seen.lies[hidden].mean()) > _MOST
 

@@ -200,3 +200,9 @@ def test_a_carton_that_is_as_flat_as_the_planks_below_it_is_no_box() -> None:
     """It was one, 18 mm high, that lacked its creases."""
     result = found("planks_and_prints", 97)
     assert len(result.ghosts_m) == 0 and result.wrong == 0 and result.missed == []
+
+
+def test_where_the_table_is_seen_no_part_shares_the_outline_of_a_print() -> None:
+    """Marks of it passed for a box, 24 mm high, on a table that was not known to a tenth of that."""
+    result = found("planks_and_prints", 338)
+    assert len(result.ghosts_m) == 0 and result.wrong == 0 and result.missed == []
