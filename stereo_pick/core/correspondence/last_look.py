@@ -20,6 +20,7 @@ from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.located import convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import clash, goes_on_as, is_where, reach_into_each_other
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
+from stereo_pick.core.correspondence.second_thoughts import CREASED
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
@@ -70,8 +71,8 @@ class LastLook:
         another = self._best_of(blobs, others, free, clear, found.shown)
         if another is not None and another[1].is_clear and another[1].shown > found.shown + CHANCE:
             return another, np.zeros(3)
-        as_much = [there for _, there in free if there.shown >= found.shown and there.denied <= found.denied]
-        offs_m = [there.fit.centre_m - found.fit.centre_m for there in as_much if not agree(there.fit, found.fit)]
+        as_much = [there.fit for _, there in free if _is_as_likely(there, found) and not agree(there.fit, found.fit)]
+        offs_m = [fit.centre_m - found.fit.centre_m for fit in as_much]
         return None, max(offs_m, key=lambda off: float(off @ off), default=np.zeros(3))
 
     def _clear_ones(self, blobs: BlobPair, free: Sequence[Found], shown: float) -> list[Found]:
@@ -154,6 +155,11 @@ class LastLook:
         reach_px = _REACH * max(blob.rectangle[0] for blob in blobs)
         places_px = [blob.centroid_px for blob in blobs]
         return solids_around(images.maps, images.rig, self.table, places_px, reach_px, known.cover if known else None)
+
+
+def _is_as_likely(another: Adjusted, found: Adjusted) -> bool:
+    """Whether as much of it shows, with no more edges beside it, and not without the creases that it must have."""
+    return another.shown >= found.shown and another.denied <= found.denied and another.creased >= CREASED
 
 
 def _most_shown(several: Sequence[Found], shown: float) -> float:
