@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from stereo_pick.cli.outputs import keep
 from stereo_pick.cli.progress import progress
-from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, source_rig
+from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, read_files, source_rig
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.objects.background_files import save_background
 from stereo_pick.core.objects.learned import BackgroundLearner
@@ -42,6 +43,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def run(args: argparse.Namespace) -> int:
     """Learn and save; raises StereoPickError on unusable input."""
     source = opened_source(args)
+    keep(read_files(source, args), "--output", args.output, "part of the recording or of the calibration")
     rectifier, learner = Rectifier(source_rig(source, args)), BackgroundLearner()
     for pair in progress(source, source.count, "pairs"):
         learner.add(rectifier.rectify(StereoFrame(*pair.images(), pair.stamp_ns)))

@@ -15,7 +15,7 @@ from stereo_pick.cli.outputs import keep
 from stereo_pick.cli.positioning import add_positioning_options, positioning_of
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.report import result_mapping
-from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.calibration.files import load_rig, rig_files
 from stereo_pick.core.configuration import steps
 from stereo_pick.core.errors import CalibrationError, ImageError, ParameterError, SourceError
 from stereo_pick.core.frames import StereoFrame
@@ -147,6 +147,11 @@ def source_rig(source: StereoSource, args: argparse.Namespace) -> StereoRig:
         return StereoRig.from_cameras(*source.cameras)
     except CalibrationError as error:
         raise CalibrationError(f"{args.source}: camera_info: {error}; or give --calibration DIR") from None
+
+
+def read_files(source: StereoSource, args: argparse.Namespace) -> list[Path]:
+    """What is read: the recording's files, or its folder, and those of --calibration."""
+    return [*source.paths, *(rig_files(args.calibration) if args.calibration is not None else ())]
 
 
 def _write_lines(lines: TextIO, results: Iterable[tuple[SourcePair, Result]], method: str) -> None:

@@ -11,11 +11,10 @@ import yaml
 from stereo_pick.cli.outputs import keep
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.recorded_pairs import timed_pairs
-from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, source_rig
+from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, read_files, source_rig
 from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.collecting import first_view
 from stereo_pick.core.calibration.detection import BoardImages
-from stereo_pick.core.calibration.files import rig_files
 from stereo_pick.core.calibration.views import BoardView
 from stereo_pick.core.errors import CalibrationError, ParameterError
 from stereo_pick.core.frames import check_size
@@ -61,8 +60,7 @@ def run(args: argparse.Namespace) -> int:
     """Measure, print and write; raises StereoPickError on unusable input, after what was measured is printed."""
     source, board = opened_source(args), parse_board(args.board, args.square)
     if args.output is not None:
-        calibration = rig_files(args.calibration) if args.calibration is not None else []
-        keep([*source.paths, *calibration], "--output", args.output, "part of the recording or of the calibration")
+        keep(read_files(source, args), "--output", args.output, "part of the recording or of the calibration")
     rig = source_rig(source, args)
     looks = [_look(pair, board, rig) for pair in progress(timed_pairs(source), source.count, "pairs")]
     views = [view for view in looks if view is not None]

@@ -36,8 +36,8 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def learn(folder: Path, source: str = "empty") -> int:
-    given = ["--source", folder / source, "--calibration", folder / "rig", "--output", folder / "out" / "b.npz"]
+def learn(folder: Path, source: str = "empty", output: str = "out/b.npz") -> int:
+    given = ["--source", folder / source, "--calibration", folder / "rig", "--output", folder / output]
     return main(["background", *map(str, given)])
 
 
@@ -76,3 +76,11 @@ def test_too_few_pairs_are_one_clear_line(folder: Path, capsys: pytest.CaptureFi
     assert learn(folder) == 1
     assert "1 pairs are too few to learn a background from: give at least 3" in capsys.readouterr().err
     assert not (folder / "out").exists()
+
+
+@pytest.mark.parametrize("file", ["empty/left01.png", "rig/right.yaml"])
+def test_what_is_learned_from_is_not_overwritten(file: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = (folder / file).read_bytes()
+    assert learn(folder, output=file) == 1
+    assert f"--output {folder / file} is part of the recording or of the calibration" in capsys.readouterr().err
+    assert (folder / file).read_bytes() == before
