@@ -167,6 +167,7 @@ def test_parameters_of_others_do_not_disturb(hosted: Any) -> None:
         ("rectification", "max_stamp_offset_s:=.nan", ["max_stamp_offset_s"]),
         ("capture", "rate:=-1.0", ["rate", "0.01 .. 100"]),
         ("capture", "source:=''", ["source is empty", "give a bag"]),
+        ("calibration", "baseline_m:=60.0", ["baseline_m", "0 .. 5", "60"]),
     ],
 )
 def test_a_bad_value_at_the_start_is_refused_with_the_reason(node: str, assignment: str, parts: list[str]) -> None:

@@ -24,6 +24,7 @@ from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.pairing import Pair
 from stereo_pick.core.params import parameter
+from stereo_pick.core.rig import MAX_BASELINE_M
 from stereo_pick.ros.board_watch import BoardWatch, Progress
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
 from stereo_pick.ros.messages.images import image_message
@@ -49,7 +50,7 @@ class CalibrationOptions(RawImageOptions):
         0.0,
         "Distance of the two lenses, measured on the rig with a ruler; 0 where it was not.",
         low=0.0,
-        high=100.0,
+        high=MAX_BASELINE_M,
         fixed=True,
     )
     max_waiting: int = parameter(
