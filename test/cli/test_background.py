@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 from recordings import write_images
 from rendering import Carton, Scene, Sensor, balls, render
@@ -84,3 +85,11 @@ def test_what_is_learned_from_is_not_overwritten(file: str, folder: Path, capsys
     assert learn(folder, output=file) == 1
     assert f"--output {folder / file} is part of the recording or of the calibration" in capsys.readouterr().err
     assert (folder / file).read_bytes() == before
+
+
+def test_a_lens_cap_is_one_clear_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for file in (folder / "empty").glob("right*.png"):
+        cv2.imwrite(str(file), np.zeros(cv2.imread(str(file)).shape, np.uint8))
+    assert learn(folder) == 1
+    assert "the right view is black all over" in capsys.readouterr().err
+    assert not (folder / "out").exists()

@@ -37,8 +37,8 @@ class Learning:
         self.saved += 1
 
 
-def pair(seed: int) -> RectifiedPair:
-    views = [grey_image(np.full((480, 640), 70.0), noise_dn=1.0, seed=2 * seed + side) for side in (0, 1)]
+def pair(seed: int, level: float = 70.0) -> RectifiedPair:
+    views = [grey_image(np.full((480, 640), level), noise_dn=1.0, seed=2 * seed + side) for side in (0, 1)]
     return RectifiedPair(*views, PARALLEL)
 
 
@@ -74,3 +74,14 @@ def test_what_cannot_be_saved_is_said_once_and_ends_the_learning(tmp_path: Path)
     with pytest.raises(ImageError, match="cannot be written"):
         node.learning.takes(pair(0))
     assert node.saved == 0 and not node.learning.takes(pair(0))
+
+
+def test_nothing_is_learned_with_the_lens_caps_on(tmp_path: Path) -> None:
+    file = tmp_path / "background.npz"
+    node = Learning(file)
+    node.call()
+    for count in range(1, PAIRS_TO_LEARN):
+        node.learning.takes(pair(count, level=2.0))
+    with pytest.raises(ImageError, match="the left view is black all over"):
+        node.learning.takes(pair(0, level=2.0))
+    assert node.saved == 0 and node.learning.progress == "" and not file.exists()

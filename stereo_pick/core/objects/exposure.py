@@ -12,8 +12,11 @@ import cv2
 import numpy as np
 
 from stereo_pick.core.arrays import Image
+from stereo_pick.core.camera import Camera
+from stereo_pick.core.errors import ImageError
 from stereo_pick.core.objects.blob import Blob
 from stereo_pick.core.objects.view import View
+from stereo_pick.core.rectified_view import valid_region
 
 CLIPPED = 254  # grey level: one less than the highest, because rectification interpolates
 
@@ -21,6 +24,7 @@ _WHITE = 255.0
 MOST_LEVELS = 0.5 * _WHITE  # so many grey levels are most of them
 _BLACK = 16.0  # the highest grey level that cameras give for no light at all (ITU-R BT.601)
 _BESIDE_PX = 4  # how far from the outline the background beside it is looked at
+_ALL_OVER = (1.0, 99.0)  # percentiles: hot pixels and a lamp in a corner do not make a view show something
 _LOST = 0.1  # part of an object's pixels that may be clipped where its background is: small high lights
 
 
@@ -42,6 +46,21 @@ def view_fault(view: View, blobs: Sequence[Blob], least_contrast: float) -> str:
     if min(level + least_contrast, _WHITE) - max(level - least_contrast, 0.0) > MOST_LEVELS:
         return "uneven"
     return "too_dark" if level - min(_BLACK, float(grey.min())) < least_contrast else ""
+
+
+def check_shows_something(side: str, image: Image, camera: Camera) -> None:
+    """Raise ImageError for a rectified view (H, W) that is black all over, or as bright as it can get."""
+    low, high = np.percentile(image[valid_region(camera)], _ALL_OVER)
+    if high <= _BLACK:
+        raise ImageError(
+            f"the {side} view is black all over (99 % of it at grey level {high:.0f} or below), so there is nothing to "
+            "learn: take the lens cap off, give light, or expose longer; 12-bit images in 16 bits need full_scale_16"
+        )
+    if low >= CLIPPED:
+        raise ImageError(
+            f"the {side} view is white all over (99 % of it at grey level {low:.0f} or above), so there is nothing to "
+            "learn: shorten the exposure, or dim the light"
+        )
 
 
 def with_saturation(blobs: Sequence[Blob], image: Image) -> list[Blob]:

@@ -17,6 +17,7 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ImageError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.background import Window, grid_stride_px, refined, spread
+from stereo_pick.core.objects.exposure import check_shows_something
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.rig import StereoRig
 
@@ -92,10 +93,13 @@ class BackgroundLearner:
         self.pairs += 1
 
     def finished(self) -> LearnedBackground:
-        """What was learned; raises ImageError from fewer than MIN_PAIRS pairs."""
+        """What was learned; raises ImageError from fewer than MIN_PAIRS pairs, or from views that show nothing."""
         if self._rig is None or self.pairs < MIN_PAIRS:
             raise ImageError(f"{self.pairs} pairs are too few to learn a background from: give at least {MIN_PAIRS}")
-        return LearnedBackground(self._view("left"), self._view("right"), calibration_hash(self._rig), self.pairs)
+        left, right = self._view("left"), self._view("right")
+        check_shows_something("left", left.mean, self._rig.left)
+        check_shows_something("right", right.mean, self._rig.right)
+        return LearnedBackground(left, right, calibration_hash(self._rig), self.pairs)
 
     def _view(self, side: str) -> LearnedView:
         mean = self._sums[side] / self.pairs

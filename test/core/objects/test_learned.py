@@ -205,6 +205,27 @@ def test_too_few_pairs_are_refused() -> None:
         learned_from(printed(), pairs=2)
 
 
+@pytest.mark.parametrize(
+    ("level", "complaint"),
+    [(0.0, "black all over.*lens cap"), (14.0, "black all over"), (255.0, "white all over.*expos")],
+)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_view_that_shows_nothing_is_no_background(side: str, level: float, complaint: str) -> None:
+    learner = BackgroundLearner()
+    for seed in range(MIN_PAIRS):
+        blank = grey_image(np.full(SIZE_PX[::-1], level), noise_dn=0.5, seed=seed)
+        learner.add(replace(pair_of(printed(), seed), **{side: blank}))
+    with pytest.raises(ImageError, match=f"the {side} view is {complaint}"):
+        learner.finished()
+
+
+@pytest.mark.parametrize(("level", "light"), [(3.0, 40.0), (255.0, 120.0)])
+def test_a_view_that_is_black_or_white_but_for_some_of_it_is_learned(level: float, light: float) -> None:
+    surface = np.full(SIZE_PX[::-1], level)
+    surface[100:150, 200:300] = light
+    assert learned_from(surface, MIN_PAIRS).left.mean[120, 250] == pytest.approx(light, abs=2.0)
+
+
 def test_a_file_that_is_not_there_yet_is_asked_for_when_it_is_needed(tmp_path: Path) -> None:
     detector = Detector(background_file=str(tmp_path / "later.npz"))
     with pytest.raises(ImageError, match=r"later.npz: no such file; learn it with"):
