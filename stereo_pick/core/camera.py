@@ -17,6 +17,8 @@ _D_LENGTHS = {
     "equidistant": (4,),
 }
 
+_MOST_PX = 20000  # the largest sensors have 19568 x 12588; of more, memory would run out where nobody can say why
+
 # Focal lengths by the larger side of the image: from 157 degrees of view to half a degree
 _LEAST_FOCAL, _MOST_FOCAL = 0.1, 100.0
 
@@ -45,6 +47,11 @@ class Camera:
             raise CalibrationError(
                 f"{self.name} camera: image size {self.width_px} x {self.height_px} must be positive: "
                 "is the camera calibrated?"
+            )
+        if max(self.frame_size) > _MOST_PX:
+            raise CalibrationError(
+                f"{self.name} camera: image size {self.width_px} x {self.height_px} is no camera's, whose sides have "
+                f"{_MOST_PX} pixels at most: give width and height of its images in pixels"
             )
         try:
             if np.size(self.D) == 0 and self.distortion_model == "plumb_bob":

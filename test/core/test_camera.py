@@ -96,6 +96,8 @@ def test_a_camera_info_without_coefficients_has_no_distortion() -> None:
     ("wrong", "complaint"),
     [
         ({"width_px": 0}, "image size 0 x 480"),
+        ({"width_px": 1000000}, "image size 1000000 x 480 .* in pixels"),
+        ({"height_px": 1000000, "K": np.diag([1e6, 1e6, 1.0])}, "image size 640 x 1000000 .* in pixels"),
         ({"K": np.zeros((3, 3))}, r"K\[0,0\] = 0"),
         ({"P": np.zeros((3, 4))}, r"P\[0,0\] = 0"),
         ({"K": np.diag([4.5, 4.5, 1.0])}, r"K\[0,0\] = 4.5 px is no lens's for an image of 640 x 480.* millimetres"),

@@ -98,7 +98,7 @@ def camera_from_mapping(data: Mapping[str, Any]) -> Camera:
 
     try:
         width, height = int(entry("image_width")), int(entry("image_height"))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise CalibrationError("image_width and image_height must be whole numbers") from None
     return Camera(
         name=str(data.get("camera_name", "camera")),

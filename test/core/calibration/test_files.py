@@ -143,6 +143,7 @@ def test_what_is_no_opencv_file_is_refused_with_its_path(content: str, tmp_path:
         ("rectification_matrix", {"data": [0.0] * 9}, "R is not a rotation"),
         ("distortion_model", "fov", "unknown distortion model 'fov'"),
         ("image_width", "wide", "image_width and image_height must be whole numbers"),
+        ("image_width", float("inf"), "image_width and image_height must be whole numbers"),
         ("image_height", 0, "image size 640 x 0"),
     ],
 )
