@@ -96,6 +96,11 @@ def camera_from_mapping(data: Mapping[str, Any]) -> Camera:
                 f"field {name!r} must hold {rows} x {cols or 'n'} numbers, holds {value['data']}"
             ) from None
 
+    if data.get("unit", "m") != "m":
+        raise CalibrationError(
+            f"unit {data['unit']!r}: a camera_info counts in metres (REP 104): make the right camera's P[0,3] -fx "
+            "times the baseline in metres, and leave the unit out"
+        )
     try:
         width, height = int(entry("image_width")), int(entry("image_height"))
     except (TypeError, ValueError, OverflowError):
@@ -206,15 +211,23 @@ def _rig_from_storage(storage: cv2.FileStorage) -> StereoRig:
         return floats(name, value, *shape)
 
     width, height = (int(storage.getNode(name).real()) for name in ("image_width", "image_height"))
-    unit_node = storage.getNode("unit")
-    unit = "m" if unit_node.empty() else unit_node.string()
-    if unit not in _METRES_PER_UNIT:
-        raise CalibrationError(f"unit {unit!r} must be one of {', '.join(_METRES_PER_UNIT)}")
+    unit = _unit(storage.getNode("unit"))
     P = np.eye(3, 4)
     left = Camera("left", width, height, matrix("K1", 3, 3), matrix("D1", None), np.eye(3), P)
     right = Camera("right", width, height, matrix("K2", 3, 3), matrix("D2", None), np.eye(3), P)
     T = matrix("T", None) * _METRES_PER_UNIT[unit]
     return StereoRig.from_extrinsics(left, right, Transform(matrix("R", 3, 3), floats("T", T, 3)))
+
+
+def _unit(node: cv2.FileNode) -> str:
+    if node.empty():
+        return "m"
+    unit = node.string() if node.isString() else node.real()
+    if unit not in _METRES_PER_UNIT:
+        raise CalibrationError(
+            f"unit {unit!r} must be one of {', '.join(_METRES_PER_UNIT)}: the unit of T; without it T is in metres"
+        )
+    return str(unit)
 
 
 def _save_opencv(rig: StereoRig, path: Path) -> None:

@@ -71,7 +71,7 @@ def test_millimetres_without_a_unit_are_noticed(tmp_path: Path) -> None:
         load_rig(tmp_path)
 
 
-def write_opencv(path: Path, factor: float, unit: str | None, **instead: Any) -> None:
+def write_opencv(path: Path, factor: float, unit: str | float | None, **instead: Any) -> None:
     left, right, right_T_left = thesis_cameras()
     content = {
         "image_width": 640, "image_height": 480, "K1": left.K, "D1": left.D.reshape(1, 5), "K2": right.K,
@@ -96,7 +96,8 @@ def write_opencv(path: Path, factor: float, unit: str | None, **instead: Any) ->
         ({"T": np.zeros((3, 1))}, "baseline = 0.000 mm is zero"),
         ({"R": np.diag([1.0, -1.0, 1.0])}, "not a rotation matrix"),
         ({"image_width": None}, "image size 0 x 480"),
-        ({"unit": "inch"}, "unit 'inch' must be one of m, mm, cm"),
+        ({"unit": "inch"}, "unit 'inch' must be one of m, mm, cm: the unit of T"),
+        ({"unit": 0.001}, "unit 0.001 must be one of m, mm, cm: the unit of T"),
     ],
     ids=lambda value: next(iter(value)) if isinstance(value, dict) else "",
 )
@@ -141,6 +142,7 @@ def test_what_is_no_opencv_file_is_refused_with_its_path(content: str, tmp_path:
         ("projection_matrix", {"data": [float("nan")] * 12}, "projection_matrix holds nan"),
         ("distortion_coefficients", {"data": [0.1, 0.2, 0.3]}, "3 distortion coefficients do not fit"),
         ("rectification_matrix", {"data": [0.0] * 9}, "R is not a rotation"),
+        ("unit", "mm", "unit 'mm': a camera_info counts in metres"),
         ("distortion_model", "fov", "unknown distortion model 'fov'"),
         ("image_width", "wide", "image_width and image_height must be whole numbers"),
         ("image_width", float("inf"), "image_width and image_height must be whole numbers"),
@@ -189,6 +191,12 @@ def test_files_that_are_not_there_are_named(tmp_path: Path) -> None:
         load_rig(tmp_path)
     with pytest.raises(CalibrationError, match="left.yaml: cannot be read: No such file"):
         load_camera_info(tmp_path / "left.yaml")
+
+
+def test_a_camera_info_may_say_that_it_counts_in_metres(folder: Path) -> None:
+    with (folder / "right.yaml").open("a", encoding="utf-8") as file:
+        file.write("unit: m\n")
+    assert_same(load_rig(folder), RIGS["thesis"])
 
 
 def test_exchanged_files_are_refused(folder: Path) -> None:
