@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.errors import ArrayError, CalibrationError
+from stereo_pick.core.transform import check_rotation
 
 _D_LENGTHS = {
     "plumb_bob": (4, 5),
@@ -120,8 +121,10 @@ class Camera:
                     f"{matrix[1, 1]:g} px must be positive: is the camera calibrated?"
                 )
         self._check_proportion()
-        if np.abs(self.R @ self.R.T - np.eye(3)).max() > 1e-3 or np.linalg.det(self.R) < 0:
-            raise CalibrationError(f"{self.name} camera: R is not a rotation matrix; calibrate again")
+        try:
+            check_rotation("R", self.R)
+        except ArrayError as error:
+            raise CalibrationError(f"{self.name} camera: {error}; calibrate again") from None
         if self.distortion_model not in _D_LENGTHS:
             raise CalibrationError(
                 f"{self.name} camera: unknown distortion model {self.distortion_model!r}; "

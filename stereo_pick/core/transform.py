@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.errors import ArrayError
 
+_MOST_SKEW = 0.001  # files hold rounded numbers
+
 
 @dataclass(frozen=True, eq=False)
 class Transform:
@@ -24,11 +26,7 @@ class Transform:
 
     def __post_init__(self) -> None:
         rotation = floats("rotation", self.rotation, 3, 3)
-        error = float(np.abs(rotation @ rotation.T - np.eye(3)).max())
-        if error > 1e-3 or np.linalg.det(rotation) < 0:
-            raise ArrayError(
-                f"rotation is not a rotation matrix: |R R' - I| = {error:.2g}, det = {np.linalg.det(rotation):.3f}"
-            )
+        check_rotation("rotation", rotation)
         object.__setattr__(self, "rotation", rotation)
         object.__setattr__(self, "translation", floats("translation", self.translation, 3))
 
@@ -49,3 +47,13 @@ class Transform:
         """Take points (..., 3) [m] from frame b to frame a."""
         moved: Floats = np.asarray(xyz, np.float64) @ self.rotation.T + self.translation
         return moved
+
+
+def check_rotation(name: str, matrix: Floats) -> None:
+    """Raise ArrayError, naming the matrix (3, 3) and by how much it fails, for one that is no rotation."""
+    skew, det = float(np.abs(matrix @ matrix.T - np.eye(3)).max()), float(np.linalg.det(matrix))
+    if skew > _MOST_SKEW or det < 0:
+        raise ArrayError(
+            f"{name} is not a rotation matrix: |R R' - I| = {skew:.3g}, must be at most {_MOST_SKEW}; "
+            f"det = {det:.3g}, must be 1"
+        )

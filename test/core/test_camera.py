@@ -109,8 +109,9 @@ def test_a_camera_info_without_coefficients_has_no_distortion() -> None:
         ({"D": np.zeros(3)}, "3 distortion coefficients do not fit 'plumb_bob'"),
         ({"D": np.zeros(5), "distortion_model": "equidistant"}, "5 distortion coefficients"),
         ({"distortion_model": "fov"}, "unknown distortion model 'fov'; known are plumb_bob"),
-        ({"R": np.zeros((3, 3))}, "R is not a rotation"),
-        ({"R": np.diag([1.0, 1.0, -1.0])}, "R is not a rotation"),
+        ({"R": np.zeros((3, 3))}, r"R is not a rotation.*R R' - I.* = 1, must be at most 0.001; det = 0, must be 1"),
+        ({"R": 1.01 * np.eye(3)}, r"R is not a rotation.*R R' - I.* = 0\.0201, .*det = 1.03,"),
+        ({"R": np.diag([1.0, 1.0, -1.0])}, r"R is not a rotation.*R R' - I.* = 0, .*det = -1,"),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
 )
