@@ -80,7 +80,7 @@ def opened(path: Path) -> Iterator[AnyReader]:
         reader = AnyReader([storage], default_typestore=_types(is_ros2=True))
         reader.open()
     except _DAMAGED as error:
-        raise _unreadable(path, "cannot be read", error) from None
+        raise _unreadable(path, "cannot be read", error, _metadata_remedy(path)) from None
     try:
         yield reader
     finally:
@@ -145,11 +145,25 @@ def _bag_files(folder: Path) -> list[Path]:
     return sorted(file for file in folder.iterdir() if file.suffix in BAG_SUFFIXES)
 
 
-def _unreadable(path: Path, fault: str, error: BaseException) -> SourceError:
+def _metadata_remedy(path: Path) -> str:
+    """What to do where all files of a folder can be opened, so that its metadata.yaml is to blame; else nothing."""
+    try:
+        files = _bag_files(path) if path.is_dir() else []
+        for file in files:
+            with AnyReader([file], default_typestore=_types(is_ros2=True)):
+                pass
+    except _DAMAGED:
+        return ""
+    return f"make its metadata.yaml anew with `ros2 bag reindex {path}`, or give one of its files" if files else ""
+
+
+def _unreadable(path: Path, fault: str, error: BaseException, remedy: str = "") -> SourceError:
     text = " ".join(str(error).split()).rstrip(".")
     reason = text if isinstance(error, _REFUSED) else f"{type(error).__name__}: {text}"
     if isinstance(error, PermissionError):
         return SourceError(f"{path} {fault} ({error.strerror}): change its permissions")
+    if remedy:
+        return SourceError(f"{path} {fault} ({reason}): {remedy}")
     suffixes = [file.suffix for file in _bag_files(path)] if path.is_dir() else [path.suffix]
     repair = _REPAIR.get(suffixes[0] if suffixes else "", "copy it again")
     return SourceError(f"{path} {fault} ({reason}): if it is cut short or damaged, {repair}, or record it again")
