@@ -210,7 +210,7 @@ def _rig_from_storage(storage: cv2.FileStorage) -> StereoRig:
             value = value.ravel()
         return floats(name, value, *shape)
 
-    width, height = (int(storage.getNode(name).real()) for name in ("image_width", "image_height"))
+    width, height = (_side_px(storage, name) for name in ("image_width", "image_height"))
     unit = _unit(storage.getNode("unit"))
     P = np.eye(3, 4)
     left = Camera("left", width, height, matrix("K1", 3, 3), matrix("D1", None), np.eye(3), P)
@@ -219,10 +219,26 @@ def _rig_from_storage(storage: cv2.FileStorage) -> StereoRig:
     return StereoRig.from_extrinsics(left, right, Transform(matrix("R", 3, 3), floats("T", T, 3)))
 
 
+def _side_px(storage: cv2.FileStorage, name: str) -> int:
+    node = storage.getNode(name)
+    if node.empty():
+        raise CalibrationError(
+            f"{name} is missing: add a line '{name}: N', N being that of the images it was calibrated from, in pixels"
+        )
+    value = _content(node)
+    if isinstance(value, str) or not value.is_integer():
+        raise CalibrationError(f"{name} {value!r} must be a whole number of pixels")
+    return int(value)
+
+
+def _content(node: cv2.FileNode) -> str | float:
+    return node.real() if node.isInt() or node.isReal() else node.string()
+
+
 def _unit(node: cv2.FileNode) -> str:
     if node.empty():
         return "m"
-    unit = node.string() if node.isString() else node.real()
+    unit = _content(node)
     if unit not in _METRES_PER_UNIT:
         raise CalibrationError(
             f"unit {unit!r} must be one of {', '.join(_METRES_PER_UNIT)}: the unit of T; without it T is in metres"
