@@ -143,6 +143,15 @@ def test_rectification_warns_where_most_images_have_no_partner(graph: Graph) -> 
     cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it is well again")
 
 
+def test_rectification_warns_of_two_cameras_on_one_topic_until_one_is_gone(graph: Graph) -> None:
+    graph.host(RectificationNode(graph.context))
+    cameras, other = Cameras(graph), graph.publisher(IMAGE_RAW["right"])
+    two = told(graph, "rectification", WARN, "2 publishers on /right/image_raw", "end all but one")
+    cameras.until(cameras.pair, two, "both are told of")
+    graph.node.destroy_publisher(other)
+    cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "one is left")
+
+
 def test_rectification_names_a_remapped_topic(graph: Graph) -> None:
     with reserved_domain() as domain:
         other = Graph(domain, ["-r", "__ns:=/cell1", "-r", "right/image_raw:=/cam1/image"])
