@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import pickle
+import re
 import signal
 from collections.abc import Callable, Iterator
-from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import cv2
 import numpy as np
@@ -24,6 +25,10 @@ from stereo_pick.core.images import read_image
 from stereo_pick.core.transform import Transform
 
 Calibrated = Callable[..., CalibrationResult]
+Made = TypeVar("Made")
+Once = Callable[[str, Callable[[], Made]], Made]
+
+cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)  # the package asks for that before it imports OpenCV
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # by `make test &` in a script: children would not hear Ctrl-C
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -106,10 +111,27 @@ def charuco_texture(board: CharucoBoard, legacy: bool) -> Image:
 
 
 @pytest.fixture(scope="session")
-def calibrated(shared_data: Path) -> Calibrated:
+def once(tmp_path_factory: pytest.TempPathFactory) -> Once[Any]:
+    """Makes what has a name, and takes seconds, once for all workers."""
+    own = tmp_path_factory.getbasetemp()
+    folder = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+    def taken(name: str, make: Callable[[], Made]) -> Made:
+        file = folder / f"{name}.pickle"
+        if not file.is_file():
+            part = file.with_suffix(f".{os.getpid()}")
+            part.write_bytes(pickle.dumps(make()))
+            part.replace(file)
+        made: Made = pickle.loads(file.read_bytes())
+        return made
+
+    return taken
+
+
+@pytest.fixture(scope="session")
+def calibrated(shared_data: Path, once: Once[CalibrationResult]) -> Calibrated:
     """Calibrates from a real recording, once: patterns of the left and right files, the board, a detector."""
 
-    @cache
     def result(left: str, right: str, board: Chessboard, detector: str = "") -> CalibrationResult:
         pairs = [
             BoardImages(f"{a.parent.name}/{a.name}", a.name, b.name, grey(read_image(a)), grey(read_image(b)))
@@ -118,7 +140,11 @@ def calibrated(shared_data: Path) -> Calibrated:
         found = [each for each in detect(pairs, board) if detector in ("", each.detector)]
         return calibrate_best(found, board)
 
-    return result
+    def named(left: str, right: str, board: Chessboard, detector: str = "") -> CalibrationResult:
+        name = re.sub(r"\W+", "_", f"{left} {board} {detector}")
+        return once(name, lambda: result(left, right, board, detector))
+
+    return named
 
 
 @pytest.fixture
