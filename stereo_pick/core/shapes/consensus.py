@@ -159,11 +159,26 @@ def _guesses(problem: _Problem, reach_m: float, draw: np.random.Generator) -> tu
     chosen = found[draw.integers(0, len(found), (grid, _GUESSES, unknowns))]
     first = np.arange(0, grid * edges, edges)[:, None, None]  # of each orientation's rows
     matrix = problem.rows.reshape(-1, unknowns).take(first + chosen, axis=0)
-    solvable = np.abs(np.linalg.det(matrix)) > _TINY
-    which = np.repeat(np.arange(grid), _GUESSES).reshape(grid, -1)[solvable]
-    solved = np.linalg.solve(matrix[solvable], problem.right_m[chosen[solvable]][..., None])[..., 0]
-    possible = _possible(solved, reach_m)
-    return which[possible], solved[possible]
+    solved = solutions(matrix.reshape(-1, unknowns, unknowns), problem.right_m[chosen].reshape(-1, unknowns))
+    possible = np.flatnonzero(_possible(solved, reach_m))
+    return possible // _GUESSES, solved[possible]
+
+
+def solutions(matrix: Floats, right: Floats) -> Floats:
+    """Solutions (S, K) of systems (S, K, K), (S, K), and anything, or no numbers, where a system is singular.
+
+    np.linalg.solve gives none at all then, and telling first which are singular is as much work again.
+    """
+    rows = np.ascontiguousarray(np.concatenate([matrix, right[..., None]], axis=2).transpose(1, 2, 0))
+    with np.errstate(all="ignore"):
+        for i in range(len(rows)):
+            largest = (i + np.abs(rows[i:, i]).argmax(axis=0))[None, None]
+            pivot = np.take_along_axis(rows, largest, axis=0)[0]
+            np.put_along_axis(rows, largest, rows[i][None], axis=0)
+            rows[i] = pivot / pivot[i]
+            for other in (*rows[:i], *rows[i + 1 :]):
+                other -= other[i] * rows[i]
+    return rows[:, -1].T
 
 
 def _possible(unknowns: Floats, reach_m: float) -> Bools:

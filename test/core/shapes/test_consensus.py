@@ -8,7 +8,8 @@ from rendered_solids import PARTS, PLACED, RIG, rectified, solid_of
 from rendering import HexPrism, Scene, Solid, hex_prism_size
 
 from stereo_pick.core.arrays import Bools, Floats
-from stereo_pick.core.shapes.consensus import solids_around
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.shapes.consensus import solids_around, solutions
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.edgels import edgels_around
 from stereo_pick.core.shapes.hypotheses import Images
@@ -71,6 +72,14 @@ def test_an_empty_table_has_none() -> None:
     assert solids_around(images.maps, RIG, TABLE, [middle, middle], REACH_PX) == []
 
 
+def test_edges_that_are_all_parallel_are_those_of_nothing() -> None:
+    """All systems of which the unknowns would be found have no solution, or many."""
+    stripes = np.tile((np.arange(640) // 16 % 2 * 120 + 60).astype(np.uint8), (480, 1))
+    images, middle = Images(RectifiedPair(stripes, stripes, RIG, 0)), np.array([320.0, 240.0])
+    for each in solids_around(images.maps, RIG, TABLE, [middle, middle], REACH_PX):
+        assert np.isfinite(each.centre_m).all() and np.isfinite(each.half_m).all()
+
+
 @pytest.mark.parametrize("view", [0, 1])
 def test_edges_of_something_else_in_one_view_do_not_count(view: int) -> None:
     images, _, places_px = seen(PARTS["sphere"])
@@ -116,3 +125,15 @@ def test_rays_find_the_edge_all_around_whichever_side_is_brighter(inside_is: flo
     np.testing.assert_allclose(radius[edgels.found], 20.0, atol=0.8)
     outward = (edgels.normals * from_middle).sum(axis=2) / radius
     assert outward[edgels.found].min() > 0.99
+
+
+@pytest.mark.parametrize("unknowns", [3, 4, 5])
+def test_systems_are_solved_beside_singular_ones(unknowns: int) -> None:
+    """As those of boxes are, of which many begin with a zero."""
+    random = np.random.default_rng(unknowns)
+    matrix = random.integers(-1, 2, (2000, unknowns, unknowns)).astype(float)
+    right = random.normal(size=(2000, unknowns))
+    regular = np.abs(np.linalg.det(matrix)) > 0.5
+    found = solutions(matrix, right)
+    np.testing.assert_allclose(found[regular], np.linalg.solve(matrix[regular], right[regular][..., None])[..., 0])
+    assert 100 < regular.sum() < 1900
