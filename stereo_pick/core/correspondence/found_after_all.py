@@ -11,15 +11,22 @@ from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_fou
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.overlap import covers
+from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 
 def found_after_all(
-    images: Images, look: LastLook, open_: Sequence[Unread], seen: Sequence[Seen], warped: WarpedViews
+    images: Images,
+    look: LastLook,
+    open_: Sequence[Unread],
+    aside: Sequence[Unread],
+    seen: Sequence[Seen],
+    warped: WarpedViews,
 ) -> tuple[list[Seen], list[Unread]]:
-    """What is seen, with those of the refused that are found where none of the others is; and what stays refused."""
+    """What is seen, with those of the refused, and of what was set aside, that are found where none of the others is;
+    and what stays refused."""
     found, refused = list(seen), list(open_)
     for unread in may_be_found(open_):
         another = _found(look, warped, unread, _fits(found))
@@ -30,7 +37,7 @@ def found_after_all(
         if not goes_on_beyond(blobs, there.fit, images):  # else the rest of it is refused still
             refused.remove(unread)
         refused = [each for each in refused if not is_seen_alone(each, there.fit, images)]
-    for piece in _risen(warped, refused, found):
+    for piece in _risen(warped, _several(refused) + [each.left for each in aside if each.left], found):
         another = _found(look, warped, piece, _fits(found))
         if another is not None:
             found.append(_by_itself(another, images.rig))
@@ -38,20 +45,29 @@ def found_after_all(
 
 
 def _found(look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
-    """What was refused, if a solid is found instead and not the table in its place."""
+    """What was refused, if something rises from the table there, and a solid is found instead that is told from marks
+    on the table, and not these in its place."""
+    if unread.left and warped.shows_nothing_rise(unread.left, others):
+        return None
     seen = look.at_refused(unread, others)
-    return None if seen is None or warped.is_seen_in_place_of(seen[1].fit) else seen
+    if seen is None or not warped.is_told_from_marks(seen[1].fit) or warped.is_seen_in_place_of(seen[1].fit):
+        return None
+    return seen
 
 
 def _fits(found: Sequence[Seen]) -> list[SolidFit]:
     return [each.fit for _, each in found]
 
 
-def _risen(warped: WarpedViews, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Unread]:
-    """What rises from the table in outlines that are several, some of which may lie there."""
-    outlines = [each.left for each in refused if each.reason == "merged" and each.left and each.right]
+def _risen(warped: WarpedViews, outlines: Sequence[Blob], found: Sequence[Seen]) -> list[Unread]:
+    """What rises from the table in outlines in the left view, other parts of which may lie there."""
     hulls = [(left, hull) for left in outlines for hull in warped.rising(left, _fits(found))]
     return [Unread("merged", without_edges(left, hull), None) for left, hull in hulls]
+
+
+def _several(refused: Sequence[Unread]) -> list[Blob]:
+    """The outlines in the left view of what may be several."""
+    return [each.left for each in refused if each.reason == "merged" and each.left and each.right]
 
 
 def _within(look: LastLook, warped: WarpedViews, refused: Sequence[Unread], found: Sequence[Seen]) -> list[Seen]:

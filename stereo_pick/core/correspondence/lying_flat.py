@@ -46,7 +46,7 @@ _CLEAR_PX = _SIDE_PX / 2 + 2  # from the solids
 _WITHIN_PX = _CLEAR_PX  # a solid's outline
 _RISES_PX = 1.0  # of disparity, above what is open of the table's, that tells a surface from it
 _LEAST = 8  # windows
-_MOST = 0.9  # of them
+_MOST, _HALF = 0.9, 0.5  # of them
 _LOW = 0.1  # of its length, that is no height
 _END = 1 - 1e-6  # of half a length
 _TINY = 1e-9
@@ -82,11 +82,14 @@ class WarpedViews:
 
     def is_surely_all_of(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether it does, and the table is known so well there that a part as long would show if it stood up."""
-        camera = self.pair.rig.left
-        ray = np.append(normalized(outline.centroid_px, camera), 1.0)
-        away_m = self.table.offset_m / max(-float(self.table.normal @ ray), _TINY)
-        length_m = outline.rectangle[0] * away_m / float(camera.P[0, 0])
-        return self._is_known_for(length_m) and self.is_all_of(outline, solids)
+        return self._is_known_at(outline) and self.is_all_of(outline, solids)
+
+    def shows_nothing_rise(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
+        """Whether the table, where it is known well enough for a part as long, is seen in an outline in the left view
+        clear of the solids, and nothing that rises from it."""
+        if not self._is_known_at(outline) or int(self._beside(outline, solids).sum()) < _LEAST:
+            return False
+        return not self.rising(outline, solids)
 
     def shows_through(self, fit: SolidFit) -> bool:
         """Whether the table, where it is known well enough to be told from a solid's surface, is seen where the solid
@@ -94,9 +97,13 @@ class WarpedViews:
         return self._is_known_for(float(fit.size_m.min())) and self.is_seen_in_place_of(fit)
 
     def is_seen_in_place_of(self, fit: SolidFit) -> bool:
-        """Whether the table, as far as it is known, is seen where a solid would hide it from both cameras."""
-        hidden = self._hidden_by(fit)
-        return int(hidden.sum()) >= _LEAST and float(self._seen.lies[hidden].mean()) > _MOST
+        """Whether the table, as far as it is known, is seen where a solid would hide it from both cameras.
+
+        Where a solid is so slim that no window is clear of its outline, that lies on the table as well, or it does not.
+        """
+        within_px, is_slim = self._within(fit)
+        hidden = self._before_table(fit, within_px > (0.0 if is_slim else _WITHIN_PX))
+        return int(hidden.sum()) >= _LEAST and float(self._seen.lies[hidden].mean()) > (_HALF if is_slim else _MOST)
 
     def rising(self, outline: Blob, solids: Sequence[SolidFit]) -> list[Floats]:
         """Hulls (K, 2) [px] of what an outline in the left view shows clear of the solids that is not on the table."""
@@ -119,22 +126,48 @@ class WarpedViews:
             rest &= self._clear_of(fit)
         return rest
 
-    def _hidden_by(self, fit: SolidFit) -> Bools:
-        """Which windows (N,) lie well within the outlines of a solid, the table clearly behind its surface there, and
-        not in the end of what may be a tube: it stands on the table, and that is seen through it."""
+    def is_told_from_marks(self, fit: SolidFit) -> bool:
+        """Whether a solid rises so high from the table that what lies there would look another way."""
+        ahead = (fit.centre_m / fit.centre_m[2])[None]
+        middle_px = (self.pair.rig.left.P[:, :3] @ ahead[0])[None, :2]
+        lies_px = np.append(middle_px, 1.0) @ of_table(self.table, self.pair.rig, 1.0)
+        return bool(self._surface_px(fit, ahead, 1.0)[0] - lies_px > _RISES_PX)
+
+    def _within(self, fit: SolidFit) -> tuple[Floats, bool]:
+        """How far windows (N,) are within a solid's outlines, and whether these are too slim for any to be clear of
+        them."""
         seen, rig = self._seen, self.pair.rig
-        sides = zip((seen.left, seen.right), (rig.left, rig.right), fit.silhouettes(rig))
-        left, right = (_within_px(*side, seen.scale) > _WITHIN_PX for side in sides)
-        hidden = np.asarray(left & right & seen.itself, np.bool_)
-        places = normalized(_at_full_size(seen.left[hidden], seen.scale), rig.left)
+        sides = list(zip((rig.left, rig.right), fit.silhouettes(rig)))
+        each_px = [_within_px(at, *side, seen.scale) for at, side in zip((seen.left, seen.right), sides)]
+        middles = [_middle_px(*side, seen.scale) for side in sides]
+        slim_px = min(_within_px(middle, *side, seen.scale)[0] for middle, side in zip(middles, sides))
+        return np.where(seen.itself, np.minimum(*each_px), -np.inf), bool(slim_px < _SIDE_PX)
+
+    def _before_table(self, fit: SolidFit, inside_it: Bools) -> Bools:
+        """Which of those windows inside its outlines (N,) have its surface clearly before the table, and not in the end
+        of what may be a tube: it stands on the table, and that is seen through it."""
+        seen, eye_m = self._seen, self.pair.rig.eyes_m[0]
+        places = normalized(_at_full_size(seen.left[inside_it], seen.scale), self.pair.rig.left)
         ahead = np.c_[places, np.ones(len(places))]
-        depth_m = entered(fit, rig.eyes_m[0], ahead)
+        rise_px = self._surface_px(fit, ahead, seen.scale) - (seen.left - seen.right)[inside_it, 0]
+        is_before = rise_px > _RISES_PX + 2 * seen.open_px[inside_it]
+        before = inside_it.copy()
+        before[inside_it] = is_before & ~_in_an_end(fit, eye_m + entered(fit, eye_m, ahead)[:, None] * ahead)
+        return before
+
+    def _surface_px(self, fit: SolidFit, ahead: Floats, scale: float) -> Floats:
+        """Disparities (N,), in views of that scale, of a solid's surface along lines (N, 3) from the left eye."""
+        rig = self.pair.rig
         apart_px = rig.left.P[0, 2] - rig.right.P[0, 2]
-        surface_px = seen.scale * (rig.focal_px * rig.baseline_m / depth_m + apart_px)
-        table_px = (seen.left - seen.right)[hidden, 0]
-        is_behind = surface_px - table_px > _RISES_PX + 2 * seen.open_px[hidden]
-        hidden[hidden] = is_behind & ~_in_an_end(fit, rig.eyes_m[0] + depth_m[:, None] * ahead)
-        return hidden
+        depth_m = entered(fit, rig.eyes_m[0], ahead) * ahead[:, 2]
+        return np.asarray(scale * (rig.focal_px * rig.baseline_m / depth_m + apart_px), np.float64)
+
+    def _is_known_at(self, outline: Blob) -> bool:
+        """Whether the table is known so well there that a part as long as an outline would show if it stood up."""
+        camera = self.pair.rig.left
+        ray = np.append(normalized(outline.centroid_px, camera), 1.0)
+        away_m = self.table.offset_m / max(-float(self.table.normal @ ray), _TINY)
+        return self._is_known_for(outline.rectangle[0] * away_m / float(camera.P[0, 0]))
 
     def _is_known_for(self, length_m: float) -> bool:
         return bool(_SIGMAS * self.table.sigma_m < _LOW * length_m)
@@ -183,6 +216,12 @@ def _in_an_end(fit: SolidFit, places_m: Floats) -> Bools:
 
 def _at_full_size(points_px: Floats, scale: float) -> Floats:
     return (points_px + 0.5) / scale - 0.5
+
+
+def _middle_px(camera: Camera, polygon: Floats, scale: float) -> Floats:
+    """The middle (1, 2) of a silhouette (K, 2), normalized, in a reduced view."""
+    middle = (polygon.min(axis=0) + polygon.max(axis=0)) / 2
+    return np.asarray(((middle * camera.P[0, 0] + camera.P[:2, 2] + 0.5) * scale - 0.5)[None])
 
 
 def _within_px(points_px: Floats, camera: Camera, polygon: Floats, scale: float) -> Floats:

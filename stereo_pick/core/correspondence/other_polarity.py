@@ -39,7 +39,8 @@ def _dark_besides(bright: Reading, dark: Reading, rig: StereoRig) -> Reading:
     away = _of_none([row for row in dark.kept if row not in bodies], light, rig)
     besides = [each for each in dark.unread if kept or _is_object(each, rig, table)]
     reason = "off_table" if table else "flat"
-    return Reading(light + kept, bright.unread + besides, table, [Unread(reason, *row[0]) for row in away])
+    for_good = [Unread(reason, *row[0]) for row in away]
+    return Reading(light + kept, bright.unread + besides, table, for_good, _others(dark.unread, besides))
 
 
 def _bright_besides(dark: Reading, bright: Reading, rig: StereoRig) -> Reading:
@@ -48,8 +49,13 @@ def _bright_besides(dark: Reading, bright: Reading, rig: StereoRig) -> Reading:
     light = _without_high_lights([row for row in bright.kept if _is_body(row[1], table)], dark)
     kept = _of_none(dark.kept, light, rig)
     besides = [each for each in bright.unread if _is_object(each, rig, table)]
+    aside = _others(bright.unread, besides)
     besides += [Unread("beside_bright", *row[0]) for row in dark.kept if row not in kept and row[1].fit is None]
-    return Reading(light + kept, dark.unread + besides, table)
+    return Reading(light + kept, dark.unread + besides, table, aside=aside)
+
+
+def _others(several: Sequence[Unread], these: Sequence[Unread]) -> list[Unread]:
+    return [each for each in several if each not in these]
 
 
 def _without_high_lights(bright: Sequence[Row], dark: Reading) -> list[Row]:

@@ -56,12 +56,14 @@ class FirstLook:
 @dataclass(frozen=True, eq=False)
 class Reading:
     """kept: the objects found; unread: those refused; table: what they stand on, as far as that is known; for_good:
-    those refused that edges alone would mistake, being shadows perhaps."""
+    those refused that edges alone would mistake, being shadows perhaps; aside: what is a shadow, or a high light, most
+    likely, and is not spoken of, but found where it rises from the table."""
 
     kept: list[Row]
     unread: list[Unread]
     table: Table | None
     for_good: Sequence[Unread] = ()
+    aside: Sequence[Unread] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -68,7 +68,7 @@ def adjusted_together(
     seen = [(row, each) for row, each in zip(sound, found) if each.is_seen]
     open_ = [Unread("other_shape", *blobs) for blobs, _ in unlike] + list(reading.unread)
     warped = WarpedViews(images.pair, common) if common else None
-    seen, refused, rest = _looked_for_again(images, open_, seen, rest, astray, warped)
+    seen, refused, rest = _looked_for_again(images, open_, reading.aside, seen, rest, astray, warped)
     exact = _exactly(images, seen, table if known else common, known, edge_radius_m)
     placed = placed_surely(images, seen, exact, table, warped)
     both = [(row, each) for row, (_, each) in zip(placed, seen)]
@@ -114,6 +114,7 @@ def _exactly(
 def _looked_for_again(
     images: Images,
     open_: Sequence[Unread],
+    aside: Sequence[Unread],
     seen: Sequence[Seen],
     rest: Sequence[Row],
     astray: Sequence[Row],
@@ -130,7 +131,7 @@ def _looked_for_again(
     look = replace(look, images=look.images.behind(before), before=before)
     found, rest = _read_again(look, seen, rest)
     look = replace(look, besides=[where for _, where in [*rest, *astray]])
-    return *found_after_all(images, look, open_, found, warped), rest
+    return *found_after_all(images, look, open_, aside, found, warped), rest
 
 
 def _known(seen: Sequence[Seen]) -> list[SolidFit]:

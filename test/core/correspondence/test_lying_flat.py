@@ -87,6 +87,31 @@ def test_the_table_shows_through_what_is_no_solid(height_m: float, through: bool
     assert warped.shows_through(ball(RADIUS_PX - 5)) == through
 
 
+@pytest.mark.parametrize(("height_m", "in_place"), [(0.0, True), (0.04, False)])
+def test_the_table_is_seen_in_place_of_what_is_too_slim_for_a_window_that_is_clear_of_its_outline(
+    height_m: float, in_place: bool
+) -> None:
+    assert WarpedViews(raised(height_m), MEASURED).is_seen_in_place_of(ball(10.0)) == in_place
+
+
+@pytest.mark.parametrize(("radius_px", "is_told"), [(2.0, False), (10.0, True)])
+def test_what_rises_by_less_than_a_pixel_of_disparity_is_not_told_from_marks(radius_px: float, is_told: bool) -> None:
+    assert WarpedViews(raised(0.0), MEASURED).is_told_from_marks(ball(radius_px)) == is_told
+
+
+@pytest.mark.parametrize(
+    ("height_m", "sigma_m", "nothing"), [(0.0, 5e-4, True), (0.01, 5e-4, False), (0.0, 1e-2, False)]
+)
+def test_nothing_rises_from_a_print_on_a_table_that_is_known(height_m: float, sigma_m: float, nothing: bool) -> None:
+    warped = WarpedViews(raised(height_m), replace(MEASURED, sigma_m=sigma_m))
+    assert warped.shows_nothing_rise(outline(100), []) == nothing
+
+
+def test_where_nothing_is_seen_something_may_rise() -> None:
+    blank = np.full((480, 640), 110, np.uint8)
+    assert not WarpedViews(RectifiedPair(blank, blank, RIG, 0), MEASURED).shows_nothing_rise(outline(100), [])
+
+
 def test_a_table_is_seen_through_the_end_of_a_tube() -> None:
     """Of a cylinder that points to the camera nothing but an end is seen."""
     there = ball(RADIUS_PX - 5)

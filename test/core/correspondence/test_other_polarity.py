@@ -116,6 +116,13 @@ def test_a_dark_part_is_found_among_the_shadows_of_bright_ones() -> None:
     assert {each.which: each.distance_m for each in result.found}[2] < 5e-4
 
 
+def test_dark_parts_that_share_their_outlines_with_shadows_are_found_by_what_of_them_rises() -> None:
+    """They were lost without a word: as a rule such outlines are shadows."""
+    result = found("bright_and_dark", 11)
+    assert {0, 1} <= {each.which for each in result.found} and len(result.ghosts_m) == 0
+    assert max(each.distance_m for each in result.found) < 5e-4
+
+
 def test_a_dark_solid_that_does_not_stand_on_the_table_of_the_bright_ones_is_not_lost_without_a_word() -> None:
     """By its outlines and a strip of its shadow, a lying cylinder was a box that hung in the air."""
     result = found("bright_and_dark", 205)
