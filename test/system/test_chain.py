@@ -283,7 +283,7 @@ def test_a_folder_of_image_pairs_gives_the_numbers_of_locate(
     pairs = [[folder / f"{side}{n:02}.png" for side in ("left", "right")] for n in (0, 1)]
     expected = [points(located(pair, DEMO_RIG, "feature", capsys)) for pair in pairs]
     assert [len(positions) for positions in expected] == [4, 4]
-    values = {"calibration": DEMO_RIG, "rate": 1.0, "folder_rate_hz": 3.0, "left_frame_id": "eye"}
+    values = {"calibration": DEMO_RIG, "rate": 1.0, "folder_rate_hz": 1.0, "left_frame_id": "eye"}
     received = nodes.replay(folder, "feature", 4, **values)
     arrays = [array for same_stamp in received.positions().values() for array in same_stamp]
     nearest = [int(np.argmin([np.abs(np.subtract(array, each)).max() for each in expected])) for array in arrays]
