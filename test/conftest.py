@@ -112,7 +112,7 @@ def charuco_texture(board: CharucoBoard, legacy: bool) -> Image:
 
 @pytest.fixture(scope="session")
 def once(tmp_path_factory: pytest.TempPathFactory) -> Once[Any]:
-    """Makes what has a name, and takes seconds, once for all workers."""
+    """Makes what has a name, and takes seconds, once for all workers, but for those that ask at the same time."""
     own = tmp_path_factory.getbasetemp()
     folder = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
 
@@ -141,7 +141,7 @@ def calibrated(shared_data: Path, once: Once[CalibrationResult]) -> Calibrated:
         return calibrate_best(found, board)
 
     def named(left: str, right: str, board: Chessboard, detector: str = "") -> CalibrationResult:
-        name = re.sub(r"\W+", "_", f"{left} {board} {detector}")
+        name = re.sub(r"\W+", "_", f"{left} {right} {board} {detector}")
         return once(name, lambda: result(left, right, board, detector))
 
     return named

@@ -1,31 +1,26 @@
-"""Calibration files: ROS camera_info YAML (one a camera) and OpenCV stereo YAML.
+"""Calibration files: ROS camera_info YAML (one a camera) and OpenCV stereo YAML (`opencv_file.py`).
 
-`left.yaml` and `right.yaml` are what camera_info_manager reads and writes; `stereo.yaml` holds
-OpenCV's K1 D1 K2 D2 R T with `X_right = R X_left + T`.
+`left.yaml` and `right.yaml` are what camera_info_manager reads and writes; `stereo.yaml` is OpenCV's.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-import cv2
 import numpy as np
 import yaml
 
 from stereo_pick.core.arrays import Floats, floats
-from stereo_pick.core.calibration.yaml_file import read_yaml
+from stereo_pick.core.calibration.opencv_file import load_opencv, save_opencv
+from stereo_pick.core.calibration.yaml_file import about, read_yaml
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.transform import Transform
 
 _OPENCV_NAMES = ("stereo.yaml", "stereo.yml", "opencv.yaml", "opencv.yml")
-Made = TypeVar("Made")
-
-_METRES_PER_UNIT = {"m": 1.0, "mm": 0.001, "cm": 0.01}
 
 
 def load_rig(path: Path) -> StereoRig:
@@ -37,7 +32,7 @@ def load_rig(path: Path) -> StereoRig:
     if len(files) == 1:
         return load_opencv(files[0])
     cameras = tuple(map(load_camera_info, files))
-    return _about(path, lambda: StereoRig.from_cameras(*cameras))
+    return about(path, lambda: StereoRig.from_cameras(*cameras))
 
 
 def rig_files(path: Path) -> list[Path]:
@@ -71,7 +66,7 @@ def load_camera_info(path: Path) -> Camera:
     data = read_yaml(path)
     if not isinstance(data, Mapping):
         raise CalibrationError(f"{path}: is no camera_info YAML")
-    return _about(path, lambda: camera_from_mapping(data))
+    return about(path, lambda: camera_from_mapping(data))
 
 
 def camera_from_mapping(data: Mapping[str, Any]) -> Camera:
@@ -145,7 +140,7 @@ def save_rig(rig: StereoRig, folder: Path) -> list[Path]:
         path.write_text(_camera_info_text(camera))
         paths.append(path)
     paths.append(folder / "stereo.yaml")
-    _save_opencv(rig, paths[-1])
+    save_opencv(rig, paths[-1])
     return paths
 
 
@@ -161,7 +156,7 @@ def save_cameras(pair: Mapping[str, Camera], folder: Path, sides: Iterable[str] 
             draft.write_text(_camera_info_text(pair[side]))
         if (folder / "stereo.yaml").is_file():
             draft = drafts[folder / "stereo.yaml"] = folder / ".stereo.new.yaml"
-            _save_opencv(StereoRig.from_cameras(pair["left"], pair["right"]), draft)
+            save_opencv(StereoRig.from_cameras(pair["left"], pair["right"]), draft)
         for path, draft in drafts.items():
             with draft.open("rb") as written:
                 os.fsync(written.fileno())
@@ -176,97 +171,3 @@ def save_cameras(pair: Mapping[str, Camera], folder: Path, sides: Iterable[str] 
 
 def _camera_info_text(camera: Camera) -> str:
     return yaml.safe_dump(camera_to_mapping(camera), sort_keys=False, default_flow_style=None, width=200)
-
-
-def load_opencv(path: Path) -> StereoRig:
-    """Read an OpenCV stereo YAML: K1 D1 K2 D2 R T, image_width, image_height, and `unit` (m unless given).
-
-    Raises CalibrationError naming the file and the field.
-    """
-    try:
-        storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
-        opened = storage.isOpened()
-    except (cv2.error, SystemError):
-        opened = False
-    if not opened:
-        raise CalibrationError(
-            f"{path}: is no OpenCV YAML (which starts with %YAML:1.0); for left.yaml and right.yaml give their folder"
-        )
-    try:
-        return _about(path, lambda: _rig_from_storage(storage))
-    except cv2.error as error:  # what it means stands in no message of OpenCV
-        raise CalibrationError(f"{path}: is damaged or cut short: copy it again, or calibrate again") from error
-    finally:
-        storage.release()
-
-
-def _rig_from_storage(storage: cv2.FileStorage) -> StereoRig:
-    def matrix(name: str, *shape: int | None) -> Floats:
-        node = storage.getNode(name)
-        value = None if node.empty() else node.mat()
-        if value is None:
-            raise CalibrationError(f"matrix {name!r} is missing; needed are K1 D1 K2 D2 R T")
-        if shape == (None,):
-            value = value.ravel()
-        return floats(name, value, *shape)
-
-    width, height = (_side_px(storage, name) for name in ("image_width", "image_height"))
-    unit = _unit(storage.getNode("unit"))
-    P = np.eye(3, 4)
-    left = Camera("left", width, height, matrix("K1", 3, 3), matrix("D1", None), np.eye(3), P)
-    right = Camera("right", width, height, matrix("K2", 3, 3), matrix("D2", None), np.eye(3), P)
-    T = matrix("T", None) * _METRES_PER_UNIT[unit]
-    return StereoRig.from_extrinsics(left, right, Transform(matrix("R", 3, 3), floats("T", T, 3)))
-
-
-def _side_px(storage: cv2.FileStorage, name: str) -> int:
-    node = storage.getNode(name)
-    if node.empty():
-        raise CalibrationError(
-            f"{name} is missing: add a line '{name}: N', N being that of the images it was calibrated from, in pixels"
-        )
-    value = _content(node)
-    if isinstance(value, str) or not value.is_integer():
-        raise CalibrationError(f"{name} {value!r} must be a whole number of pixels")
-    return int(value)
-
-
-def _content(node: cv2.FileNode) -> str | float:
-    return node.real() if node.isInt() or node.isReal() else node.string()
-
-
-def _unit(node: cv2.FileNode) -> str:
-    if node.empty():
-        return "m"
-    unit = _content(node)
-    if unit not in _METRES_PER_UNIT:
-        raise CalibrationError(
-            f"unit {unit!r} must be one of {', '.join(_METRES_PER_UNIT)}: the unit of T; without it T is in metres"
-        )
-    return str(unit)
-
-
-def _save_opencv(rig: StereoRig, path: Path) -> None:
-    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
-    storage.write("image_width", rig.left.width_px)
-    storage.write("image_height", rig.left.height_px)
-    storage.write("unit", "m")
-    right_T_left = rig.right_T_left
-    for name, value in (
-        ("K1", rig.left.K),
-        ("D1", rig.left.D.reshape(1, -1)),
-        ("K2", rig.right.K),
-        ("D2", rig.right.D.reshape(1, -1)),
-        ("R", right_T_left.rotation),
-        ("T", right_T_left.translation.reshape(3, 1)),
-    ):
-        storage.write(name, np.array(value))
-    storage.release()
-
-
-def _about(path: Path, build: Callable[[], Made]) -> Made:
-    """Call `build`, and put the path before the message of what it raises."""
-    try:
-        return build()
-    except (CalibrationError, ArrayError) as error:
-        raise CalibrationError(f"{path}: {error}") from None

@@ -105,6 +105,14 @@ class WarpedViews:
         hidden = self._before_table(fit, within_px > (0.0 if is_slim else _WITHIN_PX))
         return int(hidden.sum()) >= _LEAST and float(self._seen.lies[hidden].mean()) > (_HALF if is_slim else _MOST)
 
+    def is_told_from_marks(self, fit: SolidFit) -> bool:
+        """Whether a solid rises by so much, a pixel of disparity of the whole views, that what lies on the table would
+        look another way."""
+        rig, ahead = self.pair.rig, fit.centre_m / fit.centre_m[2]
+        depth_m = entered(fit, rig.eyes_m[0], ahead[None])[0]
+        table_depth_m = self.table.offset_m / max(-float(self.table.normal @ ahead), _TINY)
+        return bool(rig.focal_px * rig.baseline_m * (1 / depth_m - 1 / table_depth_m) > _RISES_PX)
+
     def rising(self, outline: Blob, solids: Sequence[SolidFit]) -> list[Floats]:
         """Hulls (K, 2) [px] of what an outline in the left view shows clear of the solids that is not on the table."""
         seen = self._seen
@@ -126,41 +134,29 @@ class WarpedViews:
             rest &= self._clear_of(fit)
         return rest
 
-    def is_told_from_marks(self, fit: SolidFit) -> bool:
-        """Whether a solid rises so high from the table that what lies there would look another way."""
-        ahead = (fit.centre_m / fit.centre_m[2])[None]
-        middle_px = (self.pair.rig.left.P[:, :3] @ ahead[0])[None, :2]
-        lies_px = np.append(middle_px, 1.0) @ of_table(self.table, self.pair.rig, 1.0)
-        return bool(self._surface_px(fit, ahead, 1.0)[0] - lies_px > _RISES_PX)
-
     def _within(self, fit: SolidFit) -> tuple[Floats, bool]:
         """How far windows (N,) are within a solid's outlines, and whether these are too slim for any to be clear of
         them."""
         seen, rig = self._seen, self.pair.rig
         sides = list(zip((rig.left, rig.right), fit.silhouettes(rig)))
         each_px = [_within_px(at, *side, seen.scale) for at, side in zip((seen.left, seen.right), sides)]
-        middles = [_middle_px(*side, seen.scale) for side in sides]
-        slim_px = min(_within_px(middle, *side, seen.scale)[0] for middle, side in zip(middles, sides))
-        return np.where(seen.itself, np.minimum(*each_px), -np.inf), bool(slim_px < _SIDE_PX)
+        slim_px = min(_half_width_px(*side, seen.scale) for side in sides)
+        return np.where(seen.itself, np.minimum(*each_px), -np.inf), slim_px < _SIDE_PX
 
     def _before_table(self, fit: SolidFit, inside_it: Bools) -> Bools:
         """Which of those windows inside its outlines (N,) have its surface clearly before the table, and not in the end
         of what may be a tube: it stands on the table, and that is seen through it."""
-        seen, eye_m = self._seen, self.pair.rig.eyes_m[0]
-        places = normalized(_at_full_size(seen.left[inside_it], seen.scale), self.pair.rig.left)
+        seen, rig = self._seen, self.pair.rig
+        places = normalized(_at_full_size(seen.left[inside_it], seen.scale), rig.left)
         ahead = np.c_[places, np.ones(len(places))]
-        rise_px = self._surface_px(fit, ahead, seen.scale) - (seen.left - seen.right)[inside_it, 0]
-        is_before = rise_px > _RISES_PX + 2 * seen.open_px[inside_it]
-        before = inside_it.copy()
-        before[inside_it] = is_before & ~_in_an_end(fit, eye_m + entered(fit, eye_m, ahead)[:, None] * ahead)
-        return before
-
-    def _surface_px(self, fit: SolidFit, ahead: Floats, scale: float) -> Floats:
-        """Disparities (N,), in views of that scale, of a solid's surface along lines (N, 3) from the left eye."""
-        rig = self.pair.rig
+        depth_m = entered(fit, rig.eyes_m[0], ahead)
         apart_px = rig.left.P[0, 2] - rig.right.P[0, 2]
-        depth_m = entered(fit, rig.eyes_m[0], ahead) * ahead[:, 2]
-        return np.asarray(scale * (rig.focal_px * rig.baseline_m / depth_m + apart_px), np.float64)
+        surface_px = seen.scale * (rig.focal_px * rig.baseline_m / depth_m + apart_px)
+        table_px = (seen.left - seen.right)[inside_it, 0]
+        is_before = surface_px - table_px > _RISES_PX + 2 * seen.open_px[inside_it]
+        before = inside_it.copy()
+        before[inside_it] = is_before & ~_in_an_end(fit, rig.eyes_m[0] + depth_m[:, None] * ahead)
+        return before
 
     def _is_known_at(self, outline: Blob) -> bool:
         """Whether the table is known so well there that a part as long as an outline would show if it stood up."""
@@ -218,10 +214,10 @@ def _at_full_size(points_px: Floats, scale: float) -> Floats:
     return (points_px + 0.5) / scale - 0.5
 
 
-def _middle_px(camera: Camera, polygon: Floats, scale: float) -> Floats:
-    """The middle (1, 2) of a silhouette (K, 2), normalized, in a reduced view."""
+def _half_width_px(camera: Camera, polygon: Floats, scale: float) -> float:
+    """How far the middle of a silhouette (K, 2), normalized, is within it, in a reduced view."""
     middle = (polygon.min(axis=0) + polygon.max(axis=0)) / 2
-    return np.asarray(((middle * camera.P[0, 0] + camera.P[:2, 2] + 0.5) * scale - 0.5)[None])
+    return float(inside(middle[None, None], polygon[None])[0, 0] * camera.P[0, 0] * scale)
 
 
 def _within_px(points_px: Floats, camera: Camera, polygon: Floats, scale: float) -> Floats:

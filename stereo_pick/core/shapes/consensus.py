@@ -165,10 +165,8 @@ def _guesses(problem: _Problem, reach_m: float, draw: np.random.Generator) -> tu
 
 
 def solutions(matrix: Floats, right: Floats) -> Floats:
-    """Solutions (S, K) of systems (S, K, K), (S, K), and anything, or no numbers, where a system is singular.
-
-    np.linalg.solve gives none at all then, and telling first which are singular is as much work again.
-    """
+    """Solutions (S, K) of systems (S, K, K), (S, K), and anything, or no numbers, where a system is singular:
+    np.linalg.solve gives none at all then."""
     rows = np.ascontiguousarray(np.concatenate([matrix, right[..., None]], axis=2).transpose(1, 2, 0))
     with np.errstate(all="ignore"):
         for i in range(len(rows)):

@@ -11,7 +11,8 @@ import pytest
 import yaml
 from rigs import RIGS, camera, looking_at, rotation, thesis_cameras
 
-from stereo_pick.core.calibration.files import load_camera_info, load_opencv, load_rig, save_rig
+from stereo_pick.core.calibration.files import load_camera_info, load_rig, save_rig
+from stereo_pick.core.calibration.opencv_file import load_opencv
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.rig import StereoRig
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from rigs import RIGS, SIZE_PX, camera
 
-from stereo_pick.core.calibration.files import load_camera_info, load_cameras, load_opencv, load_rig, save_rig
+from stereo_pick.core.calibration.files import load_camera_info, load_cameras, load_rig, save_rig
 from stereo_pick.core.calibration.fingerprint import calibration_hash
+from stereo_pick.core.calibration.opencv_file import load_opencv
 from stereo_pick.core.calibration.renewal import CalibrationKeeper
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError

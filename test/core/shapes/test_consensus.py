@@ -72,8 +72,8 @@ def test_an_empty_table_has_none() -> None:
     assert solids_around(images.maps, RIG, TABLE, [middle, middle], REACH_PX) == []
 
 
-def test_edges_that_are_all_parallel_are_those_of_nothing() -> None:
-    """All systems of which the unknowns would be found have no solution, or many."""
+def test_edges_that_are_all_parallel_are_no_error() -> None:
+    """Of many guesses the systems are singular: no solution, or any."""
     stripes = np.tile((np.arange(640) // 16 % 2 * 120 + 60).astype(np.uint8), (480, 1))
     images, middle = Images(RectifiedPair(stripes, stripes, RIG, 0)), np.array([320.0, 240.0])
     for each in solids_around(images.maps, RIG, TABLE, [middle, middle], REACH_PX):
