@@ -24,7 +24,7 @@ from stereo_pick.sources.opening import open_source
 
 _GATE_M = 0.03  # further away an estimate belongs to no true object
 _MAX_MEAN_DEPTH_ERROR_M = 0.0015
-_RATES = (0.1, 0.05)  # three pairs a second; half as many, where the machine is too busy for that
+_RATES = (0.1, 0.05, 0.02)  # three pairs a second; fewer, where the machine is too busy for that
 
 _DESCRIPTION = """\
 Replay the demo bag (a rendered conveyor scene with exactly known positions) through the four nodes, each a process of

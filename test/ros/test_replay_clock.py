@@ -33,3 +33,16 @@ def test_a_rate_set_before_the_start_holds_from_the_start() -> None:
     clock.set_rate(2.0, 123)
     assert clock.until_ns(RECORDED, 7 * S) == 0
     assert clock.until_ns(RECORDED + 4 * S, 7 * S) == 2 * S
+
+
+@given(rates, st.integers(1, 100 * S))
+def test_a_replay_that_was_held_up_catches_up_at_twice_its_rate(rate: float, held_up_ns: int) -> None:
+    clock, interval_ns = ReplayClock(rate), round(S / rate)
+    now_ns = clock.until_ns(RECORDED, 0)
+    clock.published(RECORDED, now_ns)
+    now_ns = interval_ns + held_up_ns
+    for n in range(1, 5):
+        wait_ns = max(0, clock.until_ns(RECORDED + n * S, now_ns))
+        assert n == 1 or abs(now_ns + wait_ns - max(n * interval_ns, now_ns + interval_ns // 2)) < 10
+        now_ns += wait_ns
+        clock.published(RECORDED + n * S, now_ns)

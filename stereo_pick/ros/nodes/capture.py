@@ -158,6 +158,7 @@ class CaptureNode(StepNode):
         wait_ns = self._replay_clock.until_ns(self._next.recorded_ns, now_ns)
         if wait_ns <= 0:
             self._publish(self._next)
+            self._replay_clock.published(self._next.recorded_ns, now_ns)
             self._next = self._following()
             wait_ns = 0 if self._next is None else self._replay_clock.until_ns(self._next.recorded_ns, now_ns)
         self._timer.timer_period_ns = int(min(max(wait_ns, 1_000_000), _IDLE_S * 1e9))
