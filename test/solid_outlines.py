@@ -59,8 +59,11 @@ def contour_px(points_m: Floats, camera: Camera) -> Floats:
     """The hull (N, 2) [px], closely sampled, of points (M, 3) [m] relative to a rectified camera."""
     image = points_m[:, :2] / points_m[:, 2:] * camera.P[0, 0] + camera.P[:2, 2]
     hull = image[cv2.convexHull((image - image.mean(axis=0)).astype(np.float32), returnPoints=False)[:, 0]]
-    sides = zip(hull, np.roll(hull, -1, axis=0))
-    return np.concatenate([_between(one, other) for one, other in sides])
+    side = np.roll(hull, -1, axis=0) - hull
+    counts = (np.linalg.norm(side, axis=1) / _STEP_PX).astype(int) + 1
+    which = np.repeat(np.arange(len(hull)), counts)
+    part = (np.arange(len(which)) - np.repeat(counts.cumsum() - counts, counts)) / counts[which]
+    return np.asarray(hull[which] + part[:, None] * side[which])
 
 
 def contours_px(part: Part, rig: StereoRig) -> tuple[Floats, Floats]:
@@ -110,8 +113,3 @@ def any_part(kind: str, rig: StereoRig, rng: np.random.Generator) -> Part:
     centre = np.array([rig.baseline_m / 2 + x * depth, y * depth, depth])
     half = rng.uniform(15, 45, 3) * depth / rig.focal_px
     return Part(kind, centre, rotation(rng.normal(size=3) * 2), half[: KINDS[kind].sizes])
-
-
-def _between(one: Floats, other: Floats) -> Floats:
-    count = int(np.linalg.norm(other - one) / _STEP_PX) + 1
-    return np.asarray(one + np.arange(count)[:, None] / count * (other - one))

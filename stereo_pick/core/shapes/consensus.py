@@ -8,7 +8,6 @@ and its half sizes, as is that it touches the table: each guess is one small lin
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -41,11 +40,11 @@ Covered = Callable[[Floats, int], Bools]
 
 class _Edges(NamedTuple):
     """E edges of both views, those of each ray one after the other: planes (E, 3), the normals of those through camera
-    and edge; offsets_m (E,), of their camera along it; found (E,), which there are."""
+    and edge; offsets_m (E,), of their camera along it; rays (E,), which they lie on, those of the right view last."""
 
     planes: Floats
     offsets_m: Floats
-    found: Bools
+    rays: Ints
 
 
 class _Around(NamedTuple):
@@ -60,12 +59,12 @@ class _Around(NamedTuple):
 
 class _Problem(NamedTuple):
     """What solids of G orientations must satisfy, unknowns (S, 2 + sizes) being their place along the table and their
-    half sizes [m]: rows (G, E, 2 + sizes) @ unknowns = right_m (E,), for each edge that is found (E,) and theirs;
-    rises (G, sizes): how high their centres are, by half sizes; within_m: what is near enough to an edge."""
+    half sizes [m]: rows (G, E, 2 + sizes) @ unknowns = right_m (E,), for each edge that is theirs; rays (E,): of
+    the edges; rises (G, sizes): how high their centres are, by half sizes; within_m: what is near enough to an edge."""
 
     rows: Floats
     right_m: Floats
-    found: Bools
+    rays: Ints
     rises: Floats
     within_m: float
 
@@ -84,7 +83,7 @@ def solids_around(
     """
     edges = _edges(views, rig, places_px, reach_px, covered)
     around = _around(rig, table, places_px, reach_px)
-    if edges.found.sum() < _LEAST_EDGES or around is None:
+    if len(edges.rays) < _LEAST_EDGES or around is None:
         return []
     draw = np.random.default_rng(0)  # the same for the same images
     return [solid for kind in KINDS.values() for solid in _of_kind(kind, edges, around, table, draw)]
@@ -98,8 +97,9 @@ def _edges(
         edgels = edgels_around(view, place_px, reach_px)
         points = normalized(edgels.points.reshape(-1, 2), view.camera)
         planes = tangent_planes(points, edgels.normals.reshape(-1, 2))
-        found = edgels.found.ravel()
-        several.append(_Edges(planes, planes @ rig.eyes_m[i], found & ~covered(points, i) if covered else found))
+        is_its = edgels.found.ravel()
+        found = np.flatnonzero(is_its & ~covered(points, i) if covered else is_its)
+        several.append(_Edges(planes[found], planes[found] @ rig.eyes_m[i], i * RAYS + found // PER_RAY))
     return _Edges(*(np.concatenate(each) for each in zip(*several)))
 
 
@@ -122,12 +122,12 @@ def _of_kind(kind: Kind, edges: _Edges, around: _Around, table: Table, draw: np.
     if not len(which):
         return
     on_edge = _on_edge(problem, which, unknowns)
-    best = np.argsort(-_seen(on_edge), kind="stable")[:_BETTERED]
-    which, unknowns, on_edge = which[best], unknowns[best], on_edge[best]
+    best = np.sort(np.argsort(-_seen(problem, on_edge), kind="stable")[:_BETTERED])
+    which, unknowns, on_edge = which[best], unknowns[best], on_edge[:, best]
     for _ in range(_ROUNDS):
         unknowns = _bettered(problem, which, unknowns, on_edge)
         on_edge = _on_edge(problem, which, unknowns)
-    seen, half_m = _seen(on_edge), unknowns[:, 2:]
+    seen, half_m = _seen(problem, on_edge), unknowns[:, 2:]
     in_frame = np.concatenate([unknowns[:, :2], dot(problem.rises[which], half_m)[:, None]], axis=1)
     centre_m = around.origin_m + in_frame @ around.axes.T
     seen = np.where(_possible(unknowns, around.reach_m), seen, 0.0)
@@ -143,7 +143,7 @@ def _problem(kind: Kind, rotations: Floats, edges: _Edges, around: _Around) -> _
     by_sizes = (planes @ up)[:, None] * rises[:, None] + _support(kind, planes @ rotations)
     rows = np.concatenate([along, by_sizes], axis=2)
     right_m = edges.offsets_m - planes @ around.origin_m
-    return _Problem(rows, right_m, edges.found, rises, _ON_EDGE_PX * around.m_per_px)
+    return _Problem(rows, right_m, edges.rays, rises, _ON_EDGE_PX * around.m_per_px)
 
 
 def _support(kind: Kind, directions: Floats) -> Floats:
@@ -155,8 +155,7 @@ def _support(kind: Kind, directions: Floats) -> Floats:
 def _guesses(problem: _Problem, reach_m: float, draw: np.random.Generator) -> tuple[Ints, Floats]:
     """The orientations (S,) and the unknowns (S, 2 + sizes) of those guesses that are possible."""
     grid, edges, unknowns = problem.rows.shape
-    found = np.flatnonzero(problem.found)
-    chosen = found[draw.integers(0, len(found), (grid, _GUESSES, unknowns))]
+    chosen = draw.integers(0, edges, (grid, _GUESSES, unknowns))
     first = np.arange(0, grid * edges, edges)[:, None, None]  # of each orientation's rows
     matrix = problem.rows.reshape(-1, unknowns).take(first + chosen, axis=0)
     solved = solutions(matrix.reshape(-1, unknowns, unknowns), problem.right_m[chosen].reshape(-1, unknowns))
@@ -169,13 +168,13 @@ def solutions(matrix: Floats, right: Floats) -> Floats:
     np.linalg.solve gives none at all then."""
     rows = np.ascontiguousarray(np.concatenate([matrix, right[..., None]], axis=2).transpose(1, 2, 0))
     with np.errstate(all="ignore"):
-        for i in range(len(rows)):
-            largest = (i + np.abs(rows[i:, i]).argmax(axis=0))[None, None]
-            pivot = np.take_along_axis(rows, largest, axis=0)[0]
-            np.put_along_axis(rows, largest, rows[i][None], axis=0)
-            rows[i] = pivot / pivot[i]
+        for i, pivot in enumerate(rows):
+            for below in rows[i + 1 :]:
+                larger = np.abs(below[i]) > np.abs(pivot[i])
+                pivot[i:], below[i:] = np.where(larger, below[i:], pivot[i:]), np.where(larger, pivot[i:], below[i:])
+            pivot[i + 1 :] /= pivot[i]
             for other in (*rows[:i], *rows[i + 1 :]):
-                other -= other[i] * rows[i]
+                other[i + 1 :] -= other[i] * pivot[i + 1 :]
     return rows[:, -1].T
 
 
@@ -187,26 +186,28 @@ def _possible(unknowns: Floats, reach_m: float) -> Bools:
 
 
 def _on_edge(problem: _Problem, which: Ints, unknowns: Floats) -> Floats:
-    """How exactly solids end at each edge (S, E): 1, and 0 where they do not."""
-    on_edge = np.zeros((len(which), len(problem.found)))
-    for each in np.unique(which):
-        these = np.flatnonzero(which == each)
-        off = (unknowns[these] @ problem.rows[each].T - problem.right_m) / problem.within_m
-        on_edge[these] = np.maximum(1 - off * off, 0) * problem.found
+    """How exactly at each edge solids of sorted orientations end (E, S): 1, and 0 where they do not."""
+    on_edge = np.empty((len(problem.right_m), len(which)))
+    there, first = np.unique(which, return_index=True)
+    for each, one, end in zip(there, first, (*first[1:], len(which))):
+        off = (problem.rows[each] @ unknowns[one:end].T - problem.right_m[:, None]) / problem.within_m
+        on_edge[:, one:end] = np.maximum(1 - off * off, 0)
     return on_edge
 
 
-def _seen(on_edge: Floats) -> Floats:
-    """The part (S,) of the rays, the least of both views, that cross one of these edges (S, E), the less the less
+def _seen(problem: _Problem, on_edge: Floats) -> Floats:
+    """The part (S,) of the rays, the least of both views, that cross one of these edges (E, S), the less the less
     exactly (MSAC: Torr and Zisserman 2000)."""
-    left, right = reduce(np.maximum, np.moveaxis(on_edge.reshape(-1, 2, RAYS, PER_RAY), 3, 0)).mean(axis=2).T
-    return np.asarray(np.minimum(left, right))
+    clearest = np.zeros((2 * RAYS, on_edge.shape[1]))
+    for ray, each in zip(problem.rays, on_edge):
+        np.maximum(clearest[ray], each, out=clearest[ray])
+    return np.asarray(clearest.reshape(2, RAYS, -1).mean(axis=1).min(axis=0))
 
 
 def _bettered(problem: _Problem, which: Ints, unknowns: Floats, on_edge: Floats) -> Floats:
-    """The unknowns by least squares of all edges (S, E) that solids end at."""
+    """The unknowns by least squares of all edges (E, S) that solids end at."""
     rows = problem.rows[which]
-    weighted = (rows * (on_edge > 0)[..., None]).transpose(0, 2, 1)
+    weighted = (rows * (on_edge.T > 0)[..., None]).transpose(0, 2, 1)
     normal, off_m = weighted @ rows, problem.right_m[:, None] - rows @ unknowns[..., None]
     loose = _LOOSE * np.einsum("sii->s", normal) + _TINY
     normal = normal + loose[:, None, None] * np.eye(normal.shape[1])
@@ -216,9 +217,8 @@ def _bettered(problem: _Problem, which: Ints, unknowns: Floats, on_edge: Floats)
 def _different(solids_m: Floats, seen: Floats, by_m: float) -> list[int]:
     """The few rows of solids (S, K) [m] that are seen most, no two alike."""
     kept: list[int] = []
-    for i in np.argsort(-seen, kind="stable"):
-        if seen[i] < _LEAST_SEEN or len(kept) == _KEPT:
-            break
-        if all(np.abs(solids_m[i] - solids_m[j]).max() > by_m for j in kept):
-            kept.append(int(i))
+    left = np.where(seen < _LEAST_SEEN, 0.0, seen)
+    while left.any() and len(kept) < _KEPT:
+        kept.append(int(left.argmax()))
+        left[np.abs(solids_m - solids_m[kept[-1]]).max(axis=1) <= by_m] = 0.0
     return kept
