@@ -18,8 +18,9 @@ from stereo_pick.cli.live_table import LiveTable, Positions
 from stereo_pick.cli.options import add_pipeline_options, pipeline_values
 from stereo_pick.cli.positioning import FILE_PARAMETERS, positioning_files
 from stereo_pick.cli.replay import add_recording_option, add_source_options, opened_source, source_rig
-from stereo_pick.core.configuration import correspondence_groups, declared, triangulation_groups
+from stereo_pick.core.configuration import correspondence_groups, triangulation_groups
 from stereo_pick.core.errors import ParameterError, SourceError
+from stereo_pick.core.parameter_groups import declared
 from stereo_pick.core.params import Value
 from stereo_pick.sources.source import without_partner
 

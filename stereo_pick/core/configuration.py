@@ -6,19 +6,16 @@ The ROS nodes, the command line, the YAML file and the documentation use these n
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TypeVar
 
 from stereo_pick.core.correspondence import method_named, methods
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.objects import Detector
+from stereo_pick.core.parameter_groups import Values, configured, declared
 from stereo_pick.core.params import Configurable, Parameter, Value, unknown_name
 from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.triangulation import Triangulator
 
 DEFAULT_METHOD = "feature"
-
-Values = Mapping[str, object]
-Step = TypeVar("Step", bound=Configurable)
 
 
 def method_parameter() -> Parameter:
@@ -36,24 +33,6 @@ def correspondence_groups() -> dict[str, type[Configurable]]:
 def triangulation_groups() -> dict[str, type[Configurable]]:
     """The configurable parts of the triangulation step, by prefix."""
     return {"triangulation": Triangulator}
-
-
-def declared(groups: Mapping[str, type[Configurable]]) -> dict[str, Parameter]:
-    """The parameters of `groups` by their full names; the group '' has no prefix."""
-    return {
-        f"{prefix}.{parameter.name}" if prefix else parameter.name: parameter
-        for prefix, group in groups.items()
-        for parameter in group.parameters()
-    }
-
-
-def configured(group: type[Step], prefix: str, values: Values) -> Step:
-    """Build one group from full names and values; names of other groups are passed over."""
-    own = declared({prefix: group})
-    try:
-        return group.from_mapping({own[name].name: value for name, value in values.items() if name in own})
-    except ParameterError as error:
-        raise ParameterError(f"{prefix}.{error}" if prefix else str(error)) from None
 
 
 def steps(values: Values) -> Steps:

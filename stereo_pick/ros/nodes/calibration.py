@@ -19,10 +19,10 @@ from stereo_pick.core.calibration.guidance import Guidance, guide
 from stereo_pick.core.calibration.guidance_picture import guidance_picture
 from stereo_pick.core.calibration.verdict import Word
 from stereo_pick.core.calibration_run import CalibrationRun, calibrate_from
-from stereo_pick.core.configuration import configured, declared
 from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.pairing import Pair
+from stereo_pick.core.parameter_groups import configured, declared
 from stereo_pick.core.params import parameter
 from stereo_pick.core.rig import MAX_BASELINE_M
 from stereo_pick.ros.board_watch import BoardWatch, Progress

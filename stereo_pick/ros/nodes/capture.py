@@ -11,10 +11,10 @@ from pathlib import Path
 from rclpy.context import Context
 from rosgraph_msgs.msg import Clock
 
-from stereo_pick.core.configuration import configured, declared
 from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.images import FULL_SCALE_16
 from stereo_pick.core.pairing import MOST_OFFSET_S
+from stereo_pick.core.parameter_groups import configured, declared
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.ros.calibration_in_use import CalibrationInUse
 from stereo_pick.ros.messages.cameras import camera_info_message

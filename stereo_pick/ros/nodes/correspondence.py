@@ -9,10 +9,11 @@ from typing import Any
 from rclpy.context import Context
 
 from stereo_pick.core.annotation import annotate
-from stereo_pick.core.configuration import correspondence_groups, declared, method_parameter
+from stereo_pick.core.configuration import correspondence_groups, method_parameter
 from stereo_pick.core.correspondence.correspondences import collect
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.images import pixels
+from stereo_pick.core.parameter_groups import declared
 from stereo_pick.core.refusal import REASONS, RIG_FAULTS, count_reasons
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.background_learning import BackgroundLearning

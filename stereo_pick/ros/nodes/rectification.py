@@ -9,10 +9,10 @@ from functools import partial
 from rclpy.context import Context
 from sensor_msgs.msg import CameraInfo, Image
 
-from stereo_pick.core.configuration import configured, declared
 from stereo_pick.core.errors import StereoPickError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.pairing import Pair, Side
+from stereo_pick.core.parameter_groups import configured, declared
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.info_of_stamp import InfoOfStamp

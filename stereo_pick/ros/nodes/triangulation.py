@@ -10,8 +10,9 @@ from typing import Any
 from rclpy.context import Context
 
 from stereo_pick.core.calibration.record import load_record
-from stereo_pick.core.configuration import configured, declared, triangulation_groups
+from stereo_pick.core.configuration import triangulation_groups
 from stereo_pick.core.hand_eye.files import load_hand_eye
+from stereo_pick.core.parameter_groups import configured, declared
 from stereo_pick.core.params import Configurable, parameter
 from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.positioning import Positioning
