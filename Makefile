@@ -1,7 +1,8 @@
 # The environment lives in .venv, made once from the hashed lock; `make help` lists the targets.
 PYTHON ?= python3
-# A sourced ROS 2 must not mix in: .venv brings its own.
-CLEAN_ENV := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH
+# A sourced ROS 2 must not mix in: .venv brings its own. Where Python may not keep its byte code every node
+# compiles all that it imports at each start.
+CLEAN_ENV := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u PYTHONDONTWRITEBYTECODE
 BIN := .venv/bin
 # Three tests at a time keep two cores busy, since nodes wait for each other; threads beside them would only get in
 # the way: a quarter of the time.
@@ -50,6 +51,7 @@ lock: setup ## bring requirements.lock up to date: one lock for Python 3.10 to 3
 
 clean: ## remove everything that make made
 	rm -rf .venv build install log demo_output *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	find . -name __pycache__ -prune -exec rm -rf {} +
 
 # uv comes first, out of the lock by its hashes; where it has no wheel or fails, pip does its work.
 .venv/lock.stamp: requirements.lock
