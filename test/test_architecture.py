@@ -30,6 +30,7 @@ CORE_LAYERS = (
     "sampling",
     "noise",
     "params",
+    "parameter_groups",
     "refusal",
     "transform",
     "rays",
