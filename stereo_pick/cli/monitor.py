@@ -36,8 +36,8 @@ _AWAITED = [
 class Monitor:
     """Receives PoseArrays and passes each on as stamp [ns], frame and positions [m]; errors of nodes once a kind.
 
-    count: PoseArrays so far; located: the objects in them; captured: the pairs that capture says it published;
-    errors: what the nodes have told.
+    count: PoseArrays so far; located: the objects in them; captured: the pairs that capture says it published, None
+    where it was not heard; errors: what the nodes have told.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Monitor:
         self._failed = failed
         self.count = 0
         self.located = 0
-        self.captured = 0
+        self.captured: int | None = None
         self.errors: list[str] = []
         self._node.create_subscription(PoseArray, OBJECT_POSES.name, self._on_poses, OBJECT_POSES.qos)
         self._node.create_subscription(DiagnosticArray, DIAGNOSTICS.name, self._on_diagnostics, DIAGNOSTICS.qos)
@@ -93,7 +93,8 @@ class Monitor:
             if status.hardware_id != "stereo_pick":
                 continue
             if status.name == "stereo_pick: capture":
-                self.captured = max([self.captured, *(int(each.value) for each in status.values if each.key == PAIRS)])
+                pairs = [int(each.value) for each in status.values if each.key == PAIRS]
+                self.captured = max([self.captured or 0, *pairs])
             if status.level == ERROR and kind(status.message) not in map(kind, self.errors):
                 self.errors.append(status.message)
                 self._failed(status.message)

@@ -47,9 +47,10 @@ examples:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a run: pairs captured, PoseArrays, objects in them, nodes' errors, and whether a signal ended it."""
+    """What came of a run: pairs captured, None where capture was not heard, PoseArrays, objects in them, nodes' errors,
+    and whether a signal ended it."""
 
-    pairs: int
+    pairs: int | None
     arrays: int
     objects: int
     errors: tuple[str, ...]
@@ -92,19 +93,20 @@ def run(args: argparse.Namespace) -> int:
     capture |= (depth := {"full_scale_16": args.full_scale_16})
     values = {**pipeline_values(args), **files, **depth}
     outcome = run_chain(capture, values, LiveTable().show, one_process=args.one_process)
-    print(f"{outcome.arrays} pose arrays received" + ("" if args.loop else f" for {outcome.pairs} pairs"))
-    if not args.loop and not outcome.stopped:
-        for warning in filter(None, (without_partner(source, outcome.pairs), _lost(outcome, args.rate))):
+    pairs = None if args.loop else outcome.pairs
+    print(f"{outcome.arrays} pose arrays received" + ("" if pairs is None else f" for {pairs} pairs"))
+    if pairs is not None and not outcome.stopped:
+        for warning in filter(None, (without_partner(source, pairs), _lost(outcome, pairs, args.rate))):
             print(f"stereo-pick: warning: {warning}", file=sys.stderr)
     return 1 if outcome.errors and outcome.objects == 0 and not outcome.stopped else 0
 
 
-def _lost(outcome: Outcome, rate: float) -> str:
+def _lost(outcome: Outcome, pairs: int, rate: float) -> str:
     """What to say of pairs that came to nothing, where no node has told why."""
-    if outcome.arrays >= outcome.pairs or (outcome.errors and outcome.arrays == 0):
+    if outcome.arrays >= pairs or (outcome.errors and outcome.arrays == 0):
         return ""
     return (
-        f"not every pair came through: this machine is too slow for {outcome.pairs} pairs at rate {rate:g}; "
+        f"not every pair came through: this machine is too slow for {pairs} pairs at rate {rate:g}; "
         f"use --rate {rate / 2:g} or less, or `stereo-pick replay`"
     )
 

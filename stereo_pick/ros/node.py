@@ -9,6 +9,7 @@ from typing import Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -24,6 +25,7 @@ from stereo_pick.ros.topics import DIAGNOSTICS, Topic
 
 CALIBRATION_HASH = "calibration_hash"
 _DIAGNOSTICS_PERIOD_S = 1.0
+_HEARD_S = 2.0  # who was killed never confirms
 
 
 class StepNode(Node):
@@ -80,6 +82,16 @@ class StepNode(Node):
         self._log(status)
         now_ns = self.get_clock().now().nanoseconds
         self._diagnostics.publish(diagnostics_message(f"stereo_pick: {self.get_name()}", status, now_ns))
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether anybody listens to what is reported."""
+        return self._diagnostics.get_subscription_count() > 0
+
+    def report_for_good(self) -> None:
+        """The same, and wait a while until all who listen have it: what has ended repeats nothing."""
+        self.report()
+        self._diagnostics.wait_for_all_acked(Duration(seconds=_HEARD_S))
 
     def _reconfigure(self) -> None:
         self.apply(self.configure(self.parameters.values))

@@ -17,7 +17,7 @@ from recordings import DEMO_RIG, Recording, demo_pairs, write_images
 from ros_tools import System, environment, reserved_domain, slowness, stereo_pick, stereo_pick_here
 from rosbags.highlevel import AnyReader
 
-from stereo_pick.cli import demo
+from stereo_pick.cli import demo, run
 from stereo_pick.cli.main import main
 from stereo_pick.cli.run import Outcome
 from stereo_pick.core.calibration.files import load_rig
@@ -288,6 +288,15 @@ def test_the_demo_ends_with_its_verdict(tmp_path: Path) -> None:
     rows = [line for line in done.stdout.splitlines() if re.match(r" +\d+\.\d{3} (mover|cylinder|box|ball) ", line)]
     assert len(rows) >= 96  # and those of a first run, where this machine was too busy
     assert all(float(row.split()[-1]) < 3 for row in rows)
+
+
+@pytest.mark.parametrize(("heard", "says"), [(None, "received\n"), (COUNT, f"received for {COUNT} pairs\n")])
+def test_run_says_nothing_of_pairs_where_capture_was_not_heard(
+    heard: int | None, says: str, bag: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(run, "run_chain", lambda *_args, **_more: Outcome(heard, COUNT, 4 * COUNT, (), False))
+    assert main(["run", "--source", str(bag)]) == 0
+    assert capsys.readouterr() == (f"{COUNT} pose arrays {says}", "")
 
 
 def test_a_folder_that_cannot_be_made_is_named_by_the_demo(tmp_path: Path) -> None:

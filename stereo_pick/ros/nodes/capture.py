@@ -30,6 +30,7 @@ from stereo_pick.sources.opening import open_source
 from stereo_pick.sources.source import SourcePair, StereoSource, without_partner
 
 _LINGER_S = 1.0  # until the last images have left the process
+_UNHEARD_S = 4.0  # until nobody is taken to listen: to find each other takes processes up to 3 s now and then
 _SETTLE_S = 0.5  # until who listens to the images knows all topics: what comes before is lost to them
 _IDLE_S = 0.02
 
@@ -164,9 +165,11 @@ class CaptureNode(StepNode):
         self._timer.timer_period_ns = int(min(max(wait_ns, 1_000_000), _IDLE_S * 1e9))
 
     def _end(self, since_ns: int) -> None:
-        """Once the last images are out, be done, or say what broke off the recording."""
-        if since_ns < _LINGER_S * 1e9:
+        """Once the last images are out, and all who listen know how many, be done, or say what broke off the
+        recording."""
+        if since_ns < (_LINGER_S if self.is_heard else _UNHEARD_S) * 1e9:
             return
+        self.report_for_good()
         if self._failure is not None:
             raise self._failure
         self.finished = True
