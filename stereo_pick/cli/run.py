@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 _RATES = (0.01, 100.0)
 _START_S = 20.0
 _SETTLE_S = 0.5
-_DISCOVERED_S = 2.0  # others in the domain
+_DISCOVERED_S = 4.0  # others in the domain: it takes 3 s now and then
 _QUIET_S = 1.0
 _SPIN_S = 0.05
 
@@ -127,14 +127,16 @@ def run_chain(
     stop = threading.Event()
     with Chain(environment) as chain:
         _stop_on_signals(stop)
-        monitor = Monitor(show, _complain)
+        monitor, others_known_s = Monitor(show, _complain), time.monotonic() + _DISCOVERED_S
         try:
             if one_process:
-                _spin_for(monitor, _DISCOVERED_S, stop)
+                _spin_until(others_known_s, monitor, stop)
                 _check_alone(monitor, own_poses=0)
                 chain.start("stereo_pick", {**capture, **values})
             else:
                 _start_downstream(chain, monitor, values, stop)
+                _spin_until(max(others_known_s, time.monotonic() + _SETTLE_S), monitor, stop)
+                _check_alone(monitor, own_poses=1)
                 chain.start("capture", capture)
             _follow(chain, monitor, "stereo_pick" if one_process else "capture", stop)
             if not stop.is_set():
@@ -163,8 +165,6 @@ def _start_downstream(chain: Chain, monitor: Monitor, values: Mapping[str, Value
         chain.check()
         if time.monotonic() > deadline:
             raise SourceError(f"the nodes found no way to each other within {_START_S:.0f} s: is the network blocked?")
-    _spin_for(monitor, _SETTLE_S, stop)
-    _check_alone(monitor, own_poses=1)
 
 
 def _check_alone(monitor: Monitor, own_poses: int) -> None:
@@ -190,9 +190,8 @@ def _follow(chain: Chain, monitor: Monitor, last: str, stop: threading.Event) ->
             quiet_since, count = time.monotonic(), monitor.count
 
 
-def _spin_for(monitor: Monitor, seconds: float, stop: threading.Event) -> None:
-    end = time.monotonic() + seconds
-    while not stop.is_set() and time.monotonic() < end:
+def _spin_until(end_s: float, monitor: Monitor, stop: threading.Event) -> None:
+    while not stop.is_set() and time.monotonic() < end_s:
         monitor.spin(_SPIN_S)
 
 
