@@ -89,7 +89,7 @@ class StepNode(Node):
         return self._diagnostics.get_subscription_count() > 0
 
     def report_for_good(self) -> None:
-        """The same, and wait a while until all who listen have it: what has ended repeats nothing."""
+        """Report, and wait a while until all who listen have it: what has ended repeats nothing."""
         self.report()
         self._diagnostics.wait_for_all_acked(Duration(seconds=_HEARD_S))
 
