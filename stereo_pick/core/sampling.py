@@ -14,9 +14,19 @@ _MOST = 32_000  # rows that OpenCV's remap can fill at once, less than 2¹⁵
 _ALL_IN_ONE = np.empty(0, np.float32)  # no second map: the first one holds both coordinates
 
 
-def sampled(image: Image, points_px: Floats) -> Floats:
+def sampled(image: Image, points_px: Floats | NDArray[np.float32]) -> Floats:
     """Bilinear grey levels (N, M) of an image (H, W) at points (N, M, 2) [px]; beyond it, those of its border."""
     return remapped(image, points_px).astype(np.float64)
+
+
+def places_along(
+    points_px: Floats | NDArray[np.float32], ways: Floats | NDArray[np.float32], at_px: Floats | NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """The places (N, M, 2) so far (M,) [px] along ways (N, 2) from points (N, 2), as `remapped` takes them."""
+    places = np.empty((len(points_px), len(at_px), 2), np.float32)
+    for axis in (0, 1):  # several times as fast as both at once, since an axis of two is no work for NumPy
+        places[..., axis] = points_px[:, axis, None] + at_px * ways[:, axis, None]
+    return places
 
 
 def remapped(

@@ -7,12 +7,13 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Image
 
 # x y of the corner [px], directions of both edges [rad], mean grey, contrast, blur [px], grey gradient in x and in y.
-_STEPS = np.array([1e-3, 1e-3, 1e-4, 1e-4, 1e-2, 1e-2, 1e-3, 1e-3, 1e-3])
+_PARAMETERS = 9
 _TURNS = 12
 _MIN_HALF_PX, _MAX_HALF_PX, _OF_SQUARE = 3, 9, 0.6
 _START_BLUR_PX, _BLUR_PX = 1.2, (0.4, 4.0)
 _MAX_SHIFT_PX = 1.0  # farther than that from where it was found, it is another thing
 _RIDGE = 1e-6
+_CONVERGED_PX = 1e-4  # the step is taken; a corner is known to a hundredth at best
 
 
 def fitted_corners(picture: Image, grid_px: Floats) -> Floats:
@@ -46,43 +47,63 @@ def _half_px(along: Floats, down: Floats) -> int:
 
 def _start(corners_px: Floats, along: Floats, down: Floats, x: Floats, y: Floats, grey: Floats) -> Floats:
     """First parameters (N, 9): the edges run along the rows and columns, contrast and its sign from the picture."""
-    start = np.zeros((len(corners_px), len(_STEPS)))
+    start = np.zeros((len(corners_px), _PARAMETERS))
     start[:, :2] = corners_px
     start[:, 2], start[:, 3] = (np.arctan2(edge[:, 1], edge[:, 0]) for edge in (along, down))
     start[:, 5], start[:, 6] = 1.0, _START_BLUR_PX
-    unit = _grey(start, x, y)
+    unit = _grey(start, x, y)[0]
     mean = grey.mean(axis=1)
     start[:, 4], start[:, 5] = mean, ((grey - mean[:, None]) * unit).sum(axis=1) / (unit * unit).sum(axis=1)
     return start
 
 
 def _fit(parameters: Floats, x: Floats, y: Floats, grey: Floats) -> Floats:
-    """Gauss-Newton on all corners (N, 9) at once; x, y, grey: (N, M) pixels of each window."""
+    """Gauss-Newton on all corners (N, 9) at once, each until it stays; x, y, grey: (N, M) pixels of each window."""
+    found, moving = parameters.copy(), np.arange(len(parameters))
     for _ in range(_TURNS):
-        residuals = grey - _grey(parameters, x, y)
-        slopes = [_slope(parameters, step, x, y) for step in np.diag(_STEPS)]
-        jacobian = np.stack(slopes, axis=-1)
-        normal = jacobian.transpose(0, 2, 1) @ jacobian
-        ridge = _RIDGE * np.trace(normal, axis1=1, axis2=2) / len(_STEPS)
-        normal = normal + ridge[:, None, None] * np.eye(len(_STEPS))
-        step = np.linalg.solve(normal, jacobian.transpose(0, 2, 1) @ residuals[..., None])[..., 0]
-        step[:, :2], step[:, 6] = step[:, :2].clip(-0.5, 0.5), step[:, 6].clip(-0.3, 0.3)
-        parameters = parameters + step
-        parameters[:, 6] = parameters[:, 6].clip(*_BLUR_PX)
-    return parameters
+        step = _step(found[moving], x[moving], y[moving], grey[moving])
+        found[moving] += step
+        found[:, 6] = found[:, 6].clip(*_BLUR_PX)
+        moving = moving[np.abs(step[:, :2]).max(axis=1) >= _CONVERGED_PX]
+        if not len(moving):
+            break
+    return found
 
 
-def _slope(parameters: Floats, step: Floats, x: Floats, y: Floats) -> Floats:
-    ahead, behind = _grey(parameters + step, x, y), _grey(parameters - step, x, y)
-    return np.asarray((ahead - behind) / (2 * step.sum()))
+def _step(parameters: Floats, x: Floats, y: Floats, grey: Floats) -> Floats:
+    modelled, jacobian = _grey(parameters, x, y)
+    normal = jacobian @ jacobian.transpose(0, 2, 1)
+    ridge = _RIDGE * np.trace(normal, axis1=1, axis2=2) / _PARAMETERS
+    normal += ridge[:, None, None] * np.eye(_PARAMETERS)
+    step = np.linalg.solve(normal, jacobian @ (grey - modelled)[..., None])[..., 0]
+    step[:, :2], step[:, 6] = step[:, :2].clip(-0.5, 0.5), step[:, 6].clip(-0.3, 0.3)
+    return np.asarray(step)
 
 
-def _grey(parameters: Floats, x: Floats, y: Floats) -> Floats:
-    """Grey values (N, M) of the model."""
+def _grey(parameters: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Grey values (N, M) of the model, and their derivatives (N, 9, M)."""
     corner_x, corner_y, along, down, mean, contrast, blur, slope_x, slope_y = (
         column[:, None] for column in parameters.T
     )
     u, v = x - corner_x, y - corner_y
-    first = np.tanh((v * np.cos(along) - u * np.sin(along)) / blur)
-    second = np.tanh((v * np.cos(down) - u * np.sin(down)) / blur)
-    return np.asarray(mean + slope_x * u + slope_y * v + contrast * first * second)
+    first, by_first = _edge(u, v, along, blur)
+    second, by_second = _edge(u, v, down, blur)
+    jacobian = np.empty((len(x), _PARAMETERS, x.shape[1]))
+    across_first, across_second = contrast * second, contrast * first
+    jacobian[:, 0] = across_first * by_first[0] + across_second * by_second[0] - slope_x
+    jacobian[:, 1] = across_first * by_first[1] + across_second * by_second[1] - slope_y
+    jacobian[:, 2], jacobian[:, 3] = across_first * by_first[2], across_second * by_second[2]
+    jacobian[:, 4], jacobian[:, 5] = 1.0, first * second
+    jacobian[:, 6] = across_first * by_first[3] + across_second * by_second[3]
+    jacobian[:, 7], jacobian[:, 8] = u, v
+    return mean + slope_x * u + slope_y * v + contrast * first * second, jacobian
+
+
+def _edge(u: Floats, v: Floats, direction: Floats, blur: Floats) -> tuple[Floats, tuple[Floats, ...]]:
+    """A blurred edge (N, M) from -1 to 1 through the corner, and its derivatives by x and y of the corner, by the
+    edge's direction and by its blur."""
+    cosine, sine = np.cos(direction), np.sin(direction)
+    off = (v * cosine - u * sine) / blur
+    level = np.tanh(off)
+    steep = (1 - level * level) / blur
+    return level, (steep * sine, -steep * cosine, -steep * (u * cosine + v * sine), -steep * off)

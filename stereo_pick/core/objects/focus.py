@@ -9,7 +9,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Image, Ints
 from stereo_pick.core.objects.blob import Blob
 from stereo_pick.core.objects.edge_model import BLURS_PX
-from stereo_pick.core.sampling import sampled
+from stereo_pick.core.sampling import places_along, sampled
 
 MAX_BLUR_PX = BLURS_PX[-1]
 """One sigma; through more, the profile in which `edge_model` looks for the edge no longer shows what is outside."""
@@ -79,7 +79,7 @@ def _profiles(contour_px: Floats, image: Image) -> Floats:
 def _across(contours_px: Sequence[Floats], image: Image, offsets_px: Floats) -> Floats:
     """Grey levels (N, M) across outlines of N points."""
     points, across = np.concatenate(contours_px), normals(contours_px)
-    return sampled(image, points[:, None] + offsets_px[:, None] * across[:, None])
+    return sampled(image, places_along(points, across, offsets_px))
 
 
 def _further(contours_px: Sequence[Floats], by: int) -> Ints:

@@ -10,7 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.objects.edge_model import OFFSETS_PX, best_blur_px, find_edges
 from stereo_pick.core.objects.rings import Rings
-from stereo_pick.core.sampling import sampled
+from stereo_pick.core.sampling import places_along, sampled
 
 _REACH_PX = 4.0
 _STEP_PX = 0.5
@@ -59,7 +59,7 @@ def _half_way(image: Image, points_px: Floats, inward: Floats, min_contrast: flo
 
 def _profiles(image: Image, points_px: Floats, inward: Floats, offsets_px: Floats) -> Floats:
     """Grey levels (N, M) along the inward normals (N, 2) of points (N, 2), bilinear."""
-    return sampled(image, points_px[:, None] + offsets_px[:, None] * inward[:, None])
+    return sampled(image, places_along(points_px, inward, offsets_px))
 
 
 def _middle(levels: Floats) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.objects.edge_model import OFFSETS_PX
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.sampling import sampled
+from stereo_pick.core.sampling import places_along, sampled
 from stereo_pick.core.shapes.arcs import Arcs, arcs_of
 from stereo_pick.core.shapes.creases import POINTS as CREASE_POINTS
 from stereo_pick.core.shapes.creases import creases
@@ -178,8 +178,7 @@ def _measured(view: EdgeMap, points_px: Floats, normals: Floats, seen: Bools) ->
     offset, weight = np.zeros(seen.shape), np.zeros(seen.shape)
     if not seen.any():
         return offset, weight
-    places = points_px[seen][:, None] - OFFSETS_PX[:, None] * normals[seen][:, None]
-    edges = view.edges(sampled(view.image, places))
+    edges = view.edges(sampled(view.image, places_along(points_px[seen], normals[seen], -OFFSETS_PX)))
     offset[seen] = edges.place_px
     weight[seen] = np.where(np.abs(edges.place_px) < _REACH_PX, trust(edges, view.noise), 0.0)
     return offset, weight

@@ -17,7 +17,7 @@ from stereo_pick.core.objects.edge_model import BLURS_PX, OFFSETS_PX, Edges, fin
 from stereo_pick.core.objects.edge_places import places_px
 from stereo_pick.core.objects.exposure import CLIPPED
 from stereo_pick.core.objects.outline import upper_median
-from stereo_pick.core.sampling import remapped
+from stereo_pick.core.sampling import places_along, remapped
 from stereo_pick.core.shapes.arcs import EXACT
 
 USUAL_BLUR_PX = 0.85  # of a lens, with the rectification
@@ -145,6 +145,6 @@ def _across(
     """How steep (N, M) grey levels of known slopes along x and y (h, w) are across normals (N, 2), so far (M,) along
     them."""
     points, across, reach = (each.astype(np.float32) for each in (points_px, normals, reach_px))
-    places = points[:, None] + reach[:, None] * across[:, None]
+    places = places_along(points, across, reach)
     x, y = (remapped(slope, places, cv2.BORDER_CONSTANT) for slope in slopes)
     return np.asarray(x * across[:, :1] + y * across[:, 1:], np.float32)

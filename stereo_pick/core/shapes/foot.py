@@ -9,7 +9,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.objects.edge_model import vertex
-from stereo_pick.core.sampling import sampled
+from stereo_pick.core.sampling import places_along, sampled
 
 _STEP_PX = 0.5
 _WIDEST_PX = 3.0  # a wider shadow is seen as what it is
@@ -30,7 +30,7 @@ def shadow_px(image: Image, edges_px: Floats, inwards: Floats, step: Floats, noi
     """
     if not len(edges_px):
         return np.zeros(0)
-    levels = sampled(image, edges_px[:, None] + _INWARDS_PX[:, None] * inwards[:, None])
+    levels = sampled(image, places_along(edges_px, inwards, _INWARDS_PX))
     row = np.arange(len(levels))
     darkest = levels[:, :_DARKEST].argmin(axis=1)
     behind = levels[row[:, None], darkest[:, None] + _BEHIND]

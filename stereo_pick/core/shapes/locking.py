@@ -12,7 +12,7 @@ import numpy as np
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.sampling import sampled
+from stereo_pick.core.sampling import places_along, sampled
 from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
 from stereo_pick.core.shapes.foot import shadow_px
 from stereo_pick.core.shapes.occluders import Occluders, share_seen
@@ -131,7 +131,7 @@ def _edges_near(
     solid = np.repeat(np.arange(shape[0]), shape[1])
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
-        profiles = sampled(view.image, points_px[:, None] - inwards[:, None] * normals[:, None])
+        profiles = sampled(view.image, places_along(points_px, normals, -inwards))
         edges = view.edges(view.together(profiles, shape[1]), solid)
         offset = edges.place_px - _MIDDLE_PX + shift
         best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, trust(edges, noise), edges.step], best)

@@ -28,11 +28,14 @@ def dots(seed: int = 4, radius_px: float = 1.6, share: float = 0.12) -> Texture:
     def grey(u: Floats, v: Floats) -> Floats:
         light = np.zeros(np.broadcast(u, v).shape)
         column, row = np.floor(u).astype(int), np.floor(v).astype(int)
-        for dv in range(-4, 5):
-            for du in range(-4, 5):
-                x, y = column + du, row + dv
-                there = grid[np.clip(y + 8, 0, grid.shape[0] - 1), np.clip(x + 8, 0, grid.shape[1] - 1)]
-                light += there * np.exp(-((u - x) ** 2 + (v - y) ** 2) / radius_px**2)
+        near = range(-4, 5)
+        across, down = (
+            [np.exp(-(((at - whole) - by) ** 2) / radius_px**2) for by in near] for at, whole in ((u, column), (v, row))
+        )
+        for dv, by_row in zip(near, down):
+            y = np.clip(row + dv + 8, 0, grid.shape[0] - 1)
+            for du, by_column in zip(near, across):
+                light += grid[y, np.clip(column + du + 8, 0, grid.shape[1] - 1)] * (by_row * by_column)
         return 60 + 70 * light
 
     return grey
