@@ -24,7 +24,7 @@ def places_along(
 ) -> NDArray[np.float32]:
     """The places (N, M, 2) so far (M,) [px] along ways (N, 2) from points (N, 2), as `remapped` takes them."""
     places = np.empty((len(points_px), len(at_px), 2), np.float32)
-    for axis in (0, 1):  # several times as fast as both at once, since an axis of two is no work for NumPy
+    for axis in (0, 1):  # each by itself: an innermost axis of two is hardly any work for NumPy's loops
         places[..., axis] = points_px[:, axis, None] + at_px * ways[:, axis, None]
     return places
 
