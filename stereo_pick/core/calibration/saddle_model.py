@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Image
@@ -13,7 +15,7 @@ _MIN_HALF_PX, _MAX_HALF_PX, _OF_SQUARE = 3, 9, 0.6
 _START_BLUR_PX, _BLUR_PX = 1.2, (0.4, 4.0)
 _MAX_SHIFT_PX = 1.0  # farther than that from where it was found, it is another thing
 _RIDGE = 1e-6
-_CONVERGED_PX = 1e-4  # the step is taken; a corner is known to a hundredth at best
+_CONVERGED_PX = 1e-4  # far less than the noise of a corner; the step is taken
 
 
 def fitted_corners(picture: Image, grid_px: Floats) -> Floats:
@@ -86,24 +88,33 @@ def _grey(parameters: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         column[:, None] for column in parameters.T
     )
     u, v = x - corner_x, y - corner_y
-    first, by_first = _edge(u, v, along, blur)
-    second, by_second = _edge(u, v, down, blur)
+    first, second = _Edge.through_corner(u, v, along, blur), _Edge.through_corner(u, v, down, blur)
+    by_first, by_second = contrast * second.level, contrast * first.level
     jacobian = np.empty((len(x), _PARAMETERS, x.shape[1]))
-    across_first, across_second = contrast * second, contrast * first
-    jacobian[:, 0] = across_first * by_first[0] + across_second * by_second[0] - slope_x
-    jacobian[:, 1] = across_first * by_first[1] + across_second * by_second[1] - slope_y
-    jacobian[:, 2], jacobian[:, 3] = across_first * by_first[2], across_second * by_second[2]
-    jacobian[:, 4], jacobian[:, 5] = 1.0, first * second
-    jacobian[:, 6] = across_first * by_first[3] + across_second * by_second[3]
+    jacobian[:, 0] = by_first * first.by_x + by_second * second.by_x - slope_x
+    jacobian[:, 1] = by_first * first.by_y + by_second * second.by_y - slope_y
+    jacobian[:, 2], jacobian[:, 3] = by_first * first.by_direction, by_second * second.by_direction
+    jacobian[:, 4], jacobian[:, 5] = 1.0, first.level * second.level
+    jacobian[:, 6] = by_first * first.by_blur + by_second * second.by_blur
     jacobian[:, 7], jacobian[:, 8] = u, v
-    return mean + slope_x * u + slope_y * v + contrast * first * second, jacobian
+    return mean + slope_x * u + slope_y * v + contrast * first.level * second.level, jacobian
 
 
-def _edge(u: Floats, v: Floats, direction: Floats, blur: Floats) -> tuple[Floats, tuple[Floats, ...]]:
-    """A blurred edge (N, M) from -1 to 1 through the corner, and its derivatives by x and y of the corner, by the
-    edge's direction and by its blur."""
-    cosine, sine = np.cos(direction), np.sin(direction)
-    off = (v * cosine - u * sine) / blur
-    level = np.tanh(off)
-    steep = (1 - level * level) / blur
-    return level, (steep * sine, -steep * cosine, -steep * (u * cosine + v * sine), -steep * off)
+class _Edge(NamedTuple):
+    """A blurred edge through the corner: its level (N, M) from -1 to 1, and the level's derivatives by x and y of the
+    corner, by the edge's direction and by its blur."""
+
+    level: Floats
+    by_x: Floats
+    by_y: Floats
+    by_direction: Floats
+    by_blur: Floats
+
+    @staticmethod
+    def through_corner(u: Floats, v: Floats, direction: Floats, blur: Floats) -> _Edge:
+        """At pixels u, v (N, M) from the corners."""
+        cosine, sine = np.cos(direction), np.sin(direction)
+        off = (v * cosine - u * sine) / blur
+        level = np.tanh(off)
+        steep = (1 - level * level) / blur
+        return _Edge(level, steep * sine, -steep * cosine, -steep * (u * cosine + v * sine), -steep * off)
