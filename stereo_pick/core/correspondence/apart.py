@@ -22,7 +22,7 @@ from stereo_pick.core.objects.splitting import split
 _ROUNDS = 3  # a part may still be several
 _TRIED = 4  # ways to cut the same objects ...
 _TRIED_OF_EACH = 8  # ... and any one of them ...
-_TRIED_IN_ALL = 32  # ... and all: planks and prints fall to dozens of pieces, and hundreds of ways
+_TRIED_IN_ALL = 16  # ... and all: planks and prints fall to dozens of pieces, and hundreds of ways
 
 
 @dataclass(frozen=True)
