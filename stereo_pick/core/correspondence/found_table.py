@@ -101,8 +101,7 @@ class TableSearch:
     def _bodies(self) -> list[SolidFit]:
         """The solids, on whatever table, that the edges of both views support for the pairs."""
         readings = [each for each in map(convex_outlines, self.pairs) if can_be_fitted(each)]
-        self.images.look_at(readings)
-        found = [self.images.best([each]) for each in readings]
+        found = self.images.best([[each] for each in readings])
         return [each.fit for each in found if each is not None and not is_flat(each.fit, TOP)]
 
     def _below_faces(self, fits: Sequence[SolidFit]) -> Table | None:

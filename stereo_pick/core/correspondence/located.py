@@ -52,13 +52,13 @@ def locate(images: Images, matched: Sequence[BlobPair], max_concavity: float, fl
     found = iter(fit_solids([each for each, one in zip(outlines, whole) if one], images.rig, nearest=images.nearest))
     fits = [next(found) if one else None for one in whole]
     readings = [[] if fit else _readings(blobs, each) for blobs, each, fit in zip(matched, outlines, fits)]
-    images.look_at([each for several in readings for each in several])
-    located = [_locate(images, *each, max_concavity) for each in zip(matched, outlines, readings, fits)]
+    best = images.best(readings)
+    located = [_locate(images, *each, max_concavity) for each in zip(matched, outlines, best, fits)]
     return located if flat_parts else [_unless_flat(images.rig, *each) for each in zip(matched, located)]
 
 
 def _locate(
-    images: Images, blobs: BlobPair, outlines: Pair, readings: list[Pair], fit: SolidFit | None, max_concavity: float
+    images: Images, blobs: BlobPair, outlines: Pair, best: Supported | None, fit: SolidFit | None, max_concavity: float
 ) -> Located:
     fading = max(blob.fading for blob in blobs)
     if fit is not None:
@@ -68,7 +68,6 @@ def _locate(
         unseen = max(fading, *(blob.cut_share for blob in blobs))
         complete = unseen <= _COMPLETE
         return by_outlines(images.rig, blobs, fit) if complete else by_solid(images.rig, fit, 1 - unseen)
-    best = images.best(readings)
     if best is not None and images.shows_beyond(best.fit.solid, [(b.contour_px, b.sharpness > CUT) for b in blobs]):
         return by_supported(images.rig, best)
     tube = _tube(images, blobs, outlines)

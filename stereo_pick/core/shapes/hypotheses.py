@@ -117,10 +117,6 @@ class Images:
         """The same, where edges are placed as exactly as can be."""
         return [replace(each, is_exact=True) for each in self.maps]
 
-    def look_at(self, readings: Sequence[Pair]) -> None:
-        """Find out at once what is asked for `best` of many outlines: one by one takes several times as long."""
-        self._look_for(_LOOKED_FOR, readings)
-
     def _look_for(self, kinds: Sequence[Kind], readings: Sequence[Pair]) -> None:
         for kind in kinds:
             self.search(readings, kind)
@@ -170,23 +166,26 @@ class Images:
             for solid, supported in zip(several, _supported(locked, table, self.noise_px)):
                 self._locked[solid, table] = supported
 
-    def best(self, readings: Sequence[Pair]) -> Supported | None:
-        """The solid with the most support among those that come near an object's outlines, and longer ones.
+    def best(self, objects: Sequence[Sequence[Pair]]) -> list[Supported | None]:
+        """For each object the solid with the most support among those that come near its outlines, and longer ones.
 
-        readings: the same outlines, trusted to different extents. Six sides come near to much else: they are looked for
-        last, and must be exact.
+        objects: the outlines of each, trusted to different extents. Six sides come near to much else: they are looked
+        for last, and must be exact.
         """
-        found = self._best_of(_LOOKED_FOR, readings)
-        if found is not None:
-            return found
-        self._look_for(_LOOKED_FOR_LAST, readings)
-        six_sided = self._best_of(_LOOKED_FOR_LAST, readings)
-        return six_sided if six_sided is not None and six_sided.is_exact else None
+        found = self._best_of(_LOOKED_FOR, objects)
+        left = [i for i, each in enumerate(found) if each is None]
+        for i, six_sided in zip(left, self._best_of(_LOOKED_FOR_LAST, [objects[i] for i in left])):
+            found[i] = six_sided if six_sided is not None and six_sided.is_exact else None
+        return found
 
-    def _best_of(self, kinds: Sequence[Kind], readings: Sequence[Pair]) -> Supported | None:
+    def _best_of(self, kinds: Sequence[Kind], objects: Sequence[Sequence[Pair]]) -> list[Supported | None]:
+        self._look_for(kinds, [pair for readings in objects for pair in readings])
+        found = [self._believable(kinds, readings) for readings in objects]
+        return [max(several, key=lambda each: each.score, default=None) for several in found]
+
+    def _believable(self, kinds: Sequence[Kind], readings: Sequence[Pair]) -> list[Supported]:
         found = [each for pair in readings for solid in self._near(pair, kinds) for each in self._with_longer(solid)]
-        believable = [each for each in found if each.believable]
-        return max(believable, key=lambda each: each.score, default=None)
+        return [each for each in found if each.believable]
 
     def shows_beyond(self, solid: Solids, contours: Sequence[Contour]) -> bool:
         """Whether there are edges where the solid's silhouette lies outside the object's contours, one a view."""

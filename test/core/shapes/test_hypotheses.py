@@ -68,15 +68,22 @@ def broken_outlines(part: Solid, hidden: float) -> tuple[Images, Pair]:
 def test_six_sides_are_found_by_their_edges_where_the_outline_is_broken(hidden: float, yaw_rad: float) -> None:
     part = HexPrism(0.0, 0.0, hex_prism_size(0.05, 0.04), yaw_rad=yaw_rad)
     images, outlines = broken_outlines(part, hidden)
-    best = images.best([outlines])
+    (best,) = images.best([[outlines]])
     assert best is not None and best.fit.kind == "hexprism" and best.is_exact
     assert np.abs(np.sort(best.fit.size_m)[0] - 0.04) < 1e-3
+
+
+def test_each_object_gets_its_own_solid_and_one_of_which_nothing_can_be_read_none() -> None:
+    images, outlines = broken_outlines(HexPrism(0.0, 0.0, hex_prism_size(0.05, 0.04)), 0.2)
+    nothing, one, other, nothing_either = images.best([[], [outlines], [outlines, outlines], []])
+    assert nothing is None and nothing_either is None
+    assert one is not None and one is other and one.fit.kind == "hexprism"
 
 
 @pytest.mark.parametrize("part", [PART, Box(0.0, 0.0, (0.05, 0.04, 0.03), yaw_rad=0.4)])
 def test_what_another_kind_explains_has_no_six_sides(part: Solid) -> None:
     images, outlines = broken_outlines(part, 0.2)
-    best = images.best([outlines])
+    (best,) = images.best([[outlines]])
     assert best is not None and best.fit.kind != "hexprism"
 
 

@@ -50,6 +50,21 @@ def test_from_2_mm_and_2_degrees_off_the_truth_is_found(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PARTS)
+def test_several_at_once_end_in_their_rows_as_each_does_alone(name: str) -> None:
+    """Also beside some that find no edges."""
+    random, solid = np.random.default_rng(2), solid_of(RIG, SCENE, PARTS[name])
+    away_m = RIG.left.R @ PLACED.rotation @ np.array([0.06, -0.05, 0.0])
+    away = replace(solid, centre_m=solid.centre_m + away_m)
+    several = [away, moved(PARTS[name], random, 5e-4, 0.5), away, solid, moved(PARTS[name], random, 5e-4, 0.5)]
+    together = lock(Solids.joined(several), images().maps, RIG)
+    assert (together.shown.min(axis=1) > 0.9).tolist() == [False, True, False, True, True]
+    for row, each in enumerate(several):
+        alone = locked(each, images())
+        off_m = np.linalg.norm(together.fit.solids.centre_m[row] - alone.fit.solids.centre_m[0])
+        assert off_m < (1e-4 if together.shown[row].min() > 0.9 else 0.02)
+
+
+@pytest.mark.parametrize("name", PARTS)
 def test_where_there_is_no_object_there_is_no_support(name: str) -> None:
     solid = solid_of(RIG, SCENE, PARTS[name])
     assert locked(solid, images(empty=True)).shown.min() < 0.4
