@@ -13,6 +13,8 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from recordings import DEMO_RIG, Recording, demo_pairs, write_images
 from ros_tools import System, environment, reserved_domain, slowness, stereo_pick, stereo_pick_here
 from rosbags.highlevel import AnyReader
@@ -23,7 +25,9 @@ from stereo_pick.cli.run import Outcome
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.confidence import within
 from stereo_pick.core.correspondence.extent import KINDS
+from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import ImageBuffer
+from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.refusal import REASONS
 
 RIG = load_rig(DEMO_RIG)
@@ -329,6 +333,25 @@ def test_the_demo_goes_slower_where_pairs_were_lost_but_not_after_ctrl_c(
     assert ("23 of 24 pairs came through: this machine is busy" in printed) == (not stopped)
     assert (printed.splitlines()[-1] == "demo: stopped after 23 of 24 pairs") == stopped
     assert "FAILED" not in printed
+
+
+def test_a_demo_that_is_stopped_before_it_plays_has_not_failed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    def stopped(self: Pipeline, frame: StereoFrame) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Pipeline, "run", stopped)
+    monkeypatch.setenv("ROS_DOMAIN_ID", "0")
+    assert main(["demo", "--output", str(tmp_path)]) == 0
+    assert capsys.readouterr().out == "demo: stopped before the first pair\n"
+
+
+@given(pair_s=st.floats(1e-3, 1e3), count=st.integers(1, 100))
+def test_the_demo_plays_no_faster_than_nodes_keep_up(pair_s: float, count: int) -> None:
+    rate = demo.rate_for([n * 33_333_333 for n in range(count)], pair_s)
+    assert 0.01 <= rate <= 0.1
+    assert rate == 0.01 or count == 1 or 0.033_333_333 / rate > 1.2 * pair_s
 
 
 @pytest.mark.parametrize("command", ["", "run", "locate", "replay", "calibrate", "parameters", "demo"])
