@@ -169,8 +169,8 @@ class Images:
     def best(self, objects: Sequence[Sequence[Pair]]) -> list[Supported | None]:
         """For each object the solid with the most support among those that come near its outlines, and longer ones.
 
-        objects: the outlines of each, trusted to different extents. Six sides come near to much else: they are looked
-        for last, and must be exact.
+        objects: the outlines of each, trusted to different extents; to be asked for together, since all are worked on
+        at once. Six sides come near to much else: they are looked for last, and must be exact.
         """
         found = self._best_of(_LOOKED_FOR, objects)
         left = [i for i, each in enumerate(found) if each is None]
