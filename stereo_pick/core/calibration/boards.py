@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Ints
+from stereo_pick.core.arrays import Floats, Ints, frozen
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.transform import Transform
 
@@ -31,10 +32,11 @@ def check_metres(name: str, length_m: float, largest_m: float, remedy: str) -> N
         )
 
 
+@lru_cache(maxsize=64)  # a calibration asks for those of its board thousands of times
 def grid_points(columns: int, rows: int, spacing_m: float) -> Floats:
-    """Points (columns * rows, 3) [m] of a grid, row by row, the first in the origin."""
+    """Points (columns * rows, 3) [m] of a grid, row by row, the first in the origin; read-only."""
     y, x = np.mgrid[:rows, :columns]
-    return np.asarray(np.c_[x.ravel(), y.ravel(), np.zeros(columns * rows)] * spacing_m, np.float64)
+    return frozen(np.asarray(np.c_[x.ravel(), y.ravel(), np.zeros(columns * rows)] * spacing_m, np.float64))
 
 
 @dataclass(frozen=True)

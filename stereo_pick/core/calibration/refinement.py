@@ -193,10 +193,15 @@ def _linearise(parameters: Floats, free: Ints, points: Sequence[Points], views: 
     """Sum the views' normal equations; a view touches the shared parameters and its own pose only."""
     size = len(parameters)
     normal, gradient, all_px = np.zeros((size, size)), np.zeros(size), list[Floats]()
+    shared = slice(COUNT)
     for i, view in enumerate(views):
-        own = np.r_[0:COUNT, COUNT + 6 * i : COUNT + 6 * (i + 1)]
-        residuals_px, jacobian = view_residuals(parameters[own], points[i], view)
-        normal[np.ix_(own, own)] += jacobian.T @ jacobian
-        gradient[own] += jacobian.T @ residuals_px
+        pose = slice(COUNT + 6 * i, COUNT + 6 * (i + 1))
+        own = np.concatenate([parameters[shared], parameters[pose]])
+        residuals_px, jacobian = view_residuals(own, points[i], view)
+        products, by_residuals = jacobian.T @ jacobian, jacobian.T @ residuals_px
+        normal[shared, shared] += products[:COUNT, :COUNT]
+        normal[shared, pose], normal[pose, shared] = products[:COUNT, COUNT:], products[COUNT:, :COUNT]
+        normal[pose, pose], gradient[pose] = products[COUNT:, COUNT:], by_residuals[COUNT:]
+        gradient[shared] += by_residuals[:COUNT]
         all_px.append(residuals_px)
     return _Linearised(tuple(all_px), gradient[free], normal[np.ix_(free, free)])

@@ -79,7 +79,7 @@ class BoardView:
 def ascending(name: str, indices: Ints) -> Ints:
     """A read-only copy of the indices; raises ArrayError where they do not grow from 0 or more."""
     copy = np.array(indices, np.int64)
-    if copy.ndim != 1 or (np.diff(copy, prepend=-1) <= 0).any():
+    if copy.ndim != 1 or (copy[:1] < 0).any() or (copy[1:] <= copy[:-1]).any():
         raise ArrayError(f"{name} = {copy.tolist()} must be ascending indices of corners")
     frozen(copy)
     return copy

@@ -67,8 +67,8 @@ def check(views: Sequence[RobotView]) -> None:
 
 def _turns_deg(poses: Sequence[Transform]) -> Floats:
     """Rotation vectors (M, 3) [deg] between any two of the poses, M >= 1."""
-    between = [rotation_vector(a.rotation.T @ b.rotation) for a, b in combinations(poses, 2)]
-    return np.degrees(np.array(between))
+    between = np.array([a.rotation.T @ b.rotation for a, b in combinations(poses, 2)])
+    return np.degrees(rotation_vector(between))
 
 
 def _check_turns(what: str, turns_deg: Floats) -> None:

@@ -63,9 +63,8 @@ def refine(A: Poses, B: Poses, X: Transform, Y: Transform) -> Refined:
 
 def mean_stand_T_board(A: Poses, B: Poses, X: Transform) -> Transform:
     """The Y that suits X: the mean of all `A X B`."""
-    all_Y = [a @ X @ b for a, b in zip(A, B)]
-    rotation = nearest_rotation(np.mean([Y.rotation for Y in all_Y], axis=0))
-    return Transform(rotation, np.mean([Y.translation for Y in all_Y], axis=0))
+    rotations, shifts = _boards(A, B, X)
+    return Transform(nearest_rotation(rotations.mean(axis=0)), shifts.mean(axis=0))
 
 
 def residual_norms(A: Poses, B: Poses, X: Transform, Y: Transform) -> Floats:
@@ -74,10 +73,15 @@ def residual_norms(A: Poses, B: Poses, X: Transform, Y: Transform) -> Floats:
 
 
 def _residuals(A: Poses, B: Poses, X: Transform, Y: Transform) -> Floats:
+    rotations, shifts = _boards(A, B, X)
+    return np.hstack([rotation_vector(rotations @ Y.rotation.T), shifts - Y.translation])
+
+
+def _boards(A: Poses, B: Poses, X: Transform) -> tuple[Floats, Floats]:
+    """Rotations (N, 3, 3) and translations (N, 3) of all `A X B`."""
     (rotation_A, shift_A), (rotation_B, shift_B) = _stacked(A), _stacked(B)
-    turned = rotation_A @ X.rotation @ rotation_B @ Y.rotation.T
-    shifted = np.einsum("nij,nj->ni", rotation_A, shift_B @ X.rotation.T + X.translation) + shift_A - Y.translation
-    return np.hstack([[rotation_vector(each) for each in turned], shifted])
+    shifts = np.einsum("nij,nj->ni", rotation_A, shift_B @ X.rotation.T + X.translation) + shift_A
+    return rotation_A @ X.rotation @ rotation_B, shifts
 
 
 def _stacked(poses: Poses) -> tuple[Floats, Floats]:

@@ -12,10 +12,11 @@ from stereo_pick.core.transform import Transform
 
 
 def rotation_vector(rotation: Floats) -> Floats:
-    """Axis times angle (3,) [rad] of a rotation matrix; `cv2.Rodrigues` gives 0 for all below 1e-5 rad."""
-    *axis, cosine = to_quaternion(rotation)
-    sine = float(np.linalg.norm(axis))
-    return np.asarray(axis) * (2 * np.arctan2(sine, cosine) / sine if sine > 0 else 2.0)
+    """Axis times angle (..., 3) [rad] of rotation matrices (..., 3, 3); `cv2.Rodrigues` gives 0 below 1e-5 rad."""
+    quaternion = to_quaternion(rotation)
+    axis, cosine = quaternion[..., :3], quaternion[..., 3:]
+    sine = np.linalg.norm(axis, axis=-1, keepdims=True)
+    return np.asarray(axis * np.divide(2 * np.arctan2(sine, cosine), sine, out=np.full_like(sine, 2.0), where=sine > 0))
 
 
 def rotation_matrix(vector: Floats) -> Floats:
@@ -56,10 +57,13 @@ def from_quaternion(xyz_m: ArrayLike, quaternion_xyzw: ArrayLike) -> Transform:
 
 
 def to_quaternion(rotation: Floats) -> Floats:
-    """The quaternion x y z w (4,) of a rotation matrix, w not negative: Bar-Itzhack's eigenvector (2000)."""
-    R = rotation
-    K = np.diag([2 * R[0, 0], 2 * R[1, 1], 2 * R[2, 2], 2 * np.trace(R)]) - np.trace(R) * np.eye(4)
-    K[:3, :3] += R + R.T - 2 * np.diag(np.diag(R))
-    K[3, :3] = K[:3, 3] = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
-    q = np.linalg.eigh(K)[1][:, 3]
-    return np.asarray(-q if q[3] < 0 else q)
+    """The quaternions x y z w (..., 4) of rotation matrices (..., 3, 3), w not negative: Bar-Itzhack's eigenvectors
+    (2000)."""
+    R, turned_back = rotation, np.swapaxes(rotation, -1, -2)
+    trace = np.trace(R, axis1=-2, axis2=-1)
+    K = np.empty((*trace.shape, 4, 4))
+    K[..., :3, :3] = R + turned_back - trace[..., None, None] * np.eye(3)
+    K[..., 3, :3] = K[..., :3, 3] = (R - turned_back)[..., [2, 0, 1], [1, 2, 0]]
+    K[..., 3, 3] = trace
+    q = np.linalg.eigh(K)[1][..., 3]
+    return np.asarray(np.where(q[..., 3:] < 0, -q, q))

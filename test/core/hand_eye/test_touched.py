@@ -97,6 +97,12 @@ def test_quaternions_there_and_back(vector: list[float]) -> None:
         np.testing.assert_allclose(rotation_vector(rotation), vector, rtol=1e-12, atol=1e-15)
 
 
+def test_several_rotations_at_once_are_what_each_is_by_itself() -> None:
+    several = np.array([rotation_matrix(np.array(each)) for each in ([0, 0, 0], [0.3, -1, 2], [0, 2.2, -2.2])])
+    np.testing.assert_array_equal(to_quaternion(several), [to_quaternion(each) for each in several])
+    np.testing.assert_array_equal(rotation_vector(several), [rotation_vector(each) for each in several])
+
+
 def test_a_quaternion_is_x_y_z_w_and_has_length_one() -> None:
     quarter = from_quaternion([1, 2, 3], [0, 0, np.sqrt(0.5), np.sqrt(0.5)])
     np.testing.assert_allclose(quarter.apply(np.array([1.0, 0, 0])), [1, 3, 3], atol=1e-12)
