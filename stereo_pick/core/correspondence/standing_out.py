@@ -98,15 +98,19 @@ class _Surface:
         return on_grid(self.usable & (alike < _ALIKE), _SIDE_PX, _SIDE_PX, _STRIDE_PX)
 
     def out_px(self, places: Ints) -> Floats:
-        """By how much (M,) the disparity of those of these is more than the surface's that are seen before it."""
+        """By how much (M,) the disparity of those of these is more than the surface's that are seen before it; of none
+        where these are too few to say anything, whatever lies behind."""
         offs = np.arange(-self.most_px, self.most_px + _STEP_PX, _STEP_PX)
-        alike = np.array([self._alike_at(places, off) for off in offs])
-        before = offs >= _NEAREST_PX
-        if not before.any():
+        before, behind = offs[offs >= _NEAREST_PX], offs[offs < _NEAREST_PX]
+        if not len(before):
             return np.zeros(0)
-        front, back = alike[before], alike[~before].max(axis=0)
-        best = front.max(axis=0)
-        return np.asarray(offs[before][front.argmax(axis=0)][(best > _ALIKE) & (best > back + _LEAD)])
+        alike = np.array([self._alike_at(places, off) for off in before])
+        best = alike.max(axis=0)
+        likely = np.flatnonzero(best > _ALIKE)
+        if len(likely) < _LEAST:
+            return np.zeros(0)
+        back = np.max([self._alike_at(places[likely], off) for off in behind], axis=0)
+        return np.asarray(before[alike.argmax(axis=0)[likely]][best[likely] > back + _LEAD])
 
     def _alike(self, off_px: float) -> Grey:
         """Correlation (h, w) of the windows with what the right view shows so far before the surface; -1 where that is
