@@ -24,9 +24,11 @@ def stretches_found(across: Floats, trusted: Floats, open_: Bools) -> Floats:
     open_: (S, 2, N), where nothing hides it.
     """
     across = across / np.sqrt(dot(across, across))[..., None]
+    closed = [np.concatenate([each[:, :, -_REACH:], each, each[:, :, :_REACH]], 2) for each in (across, trusted, open_)]
     found, most = np.zeros(trusted.shape), np.zeros(trusted.shape)
-    for off in range(-_REACH, _REACH + 1):
-        same = dot(across, np.roll(across, off, axis=2)) > _STRAIGHT
-        found += same * np.roll(trusted, off, axis=2)
-        most += same * np.roll(open_, off, axis=2)
+    for start in range(2 * _REACH + 1):
+        there, its_trust, is_open = (each[:, :, start : start + trusted.shape[2]] for each in closed)
+        same = dot(across, there) > _STRAIGHT
+        found += same * its_trust
+        most += same * is_open
     return np.asarray(np.minimum(found / np.maximum(_MOST * most, 1e-9), 1.0) ** 2)
