@@ -95,7 +95,8 @@ def adjusted(
     prior = _prior(plane.table if plane and known else None, turn_rad)
     moved_by = np.zeros(5)  # tilts and height of the table, turns of the right camera
     for round_ in range(_ROUNDS + 1):
-        edges = [edges_seen(group.solids, views, rig, moved_by[3:], group.hidden_by(occluders)) for group in groups]
+        hides = [group.hidden_by(occluders) for group in groups]
+        edges = edges_seen([group.solids for group in groups], views, rig, moved_by[3:], hides)
         seen = [
             each.evidence(views[0].light * usual_sigma_px(each.scale_px, each.shown), edge_radius_m) for each in edges
         ]

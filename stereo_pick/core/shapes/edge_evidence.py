@@ -17,7 +17,7 @@ from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.edge_rows import CreaseRows, EdgeRows
 from stereo_pick.core.shapes.kinds import cross, dot
-from stereo_pick.core.shapes.locking import ON_EDGE_PX, edges_beside, trust
+from stereo_pick.core.shapes.locking import ON_EDGE_PX, Beside, edges_beside, trust
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.occluders import Hide, share_seen
 from stereo_pick.core.shapes.predicted import inside, silhouettes
@@ -77,22 +77,33 @@ class Seen(NamedTuple):
 
 
 def edges_seen(
-    solids: Solids,
+    groups: Sequence[Solids],
     views: Sequence[EdgeMap],
     rig: StereoRig,
     turn_rad: Floats = _STILL,
-    hide: Hide | None = None,
-) -> Seen:
-    """What two rectified views show beside and across solids (S); turn_rad: (2,), how the right camera has turned;
-    hide: which of its places (S, N, 2), normalized, in a view are hidden (S, N).
+    hides: Sequence[Hide] = (),
+) -> list[Seen]:
+    """What two rectified views show beside and across the solids (S) of groups of one kind each; turn_rad: (2,), how
+    the right camera has turned; hides: for each group, which of its places (S, N, 2), normalized, in a view are hidden
+    (S, N); none, unless given.
 
     Where two faces meet parts are rounded, and it is a matter of the light where on the round the edge appears: each
     crease may slide, as one in both views.
     """
-    corners = silhouettes(solids, rig.eyes_m)
-    outer, hidden = _silhouettes(solids, corners, views, rig, hide)
-    inner = _creases(solids, corners, views, rig, hide)
-    outer, inner = outer.turned(turn_rad), inner._replace(rows=inner.rows.turned(turn_rad))
+    hides = hides or [_hide_nothing] * len(groups)
+    corners = [silhouettes(solids, rig.eyes_m) for solids in groups]
+    found = []
+    for solids, at, beside, hide in zip(groups, corners, _beside(corners, views, hides), hides):
+        outer, inner = _silhouettes(solids, beside, rig), _creases(solids, at, views, rig, hide)
+        found.append(_seen(outer.turned(turn_rad), inner.turned(turn_rad), beside.hidden, views[0].is_exact))
+    return found
+
+
+def _hide_nothing(places: Floats, view: int) -> Bools:
+    return np.zeros(places.shape[:2], bool)
+
+
+def _seen(outer: EdgeRows, inner: CreaseRows, hidden: Bools, is_exact: bool) -> Seen:
     slid = inner.at_edges()
     scale = _scale_px(outer, slid)
     in_views = (len(scale), 2, -1)
@@ -102,7 +113,7 @@ def edges_seen(
     length_px = outer.length_px.reshape(in_views).sum(axis=2)
     arcs = arcs_of(outer.residual_px.reshape(in_views), near, length_px, outer.jacobian.shape[2] - 3)
     across = outer.jacobian[..., :3].reshape(*near.shape, 3)
-    found = stretches_found(across, near, ~hidden) if views[0].is_exact else np.ones(near.shape)
+    found = stretches_found(across, near, ~hidden) if is_exact else np.ones(near.shape)
     return Seen(outer, inner, slid, scale, shown, denied, arcs, found.reshape(outer.weight.shape))
 
 
@@ -112,11 +123,18 @@ def _scale_px(outer: EdgeRows, inner: EdgeRows) -> Floats:
     return np.where(np.isfinite(scale), scale, ON_EDGE_PX)
 
 
-def _silhouettes(
-    solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig, hide: Hide | None
-) -> tuple[EdgeRows, Bools]:
-    """Their edges, and which points (S, 2, N) of them are hidden."""
-    beside = edges_beside(corners, views, _POINTS, hide=hide)
+def _beside(corners: Sequence[Floats], views: Sequence[EdgeMap], hides: Sequence[Hide]) -> list[Beside]:
+    """The edges next to the silhouettes (S, 2, K, 2) of each group: looked for at once, since they are so few."""
+    ends = np.cumsum([len(each) for each in corners])[:-1]
+
+    def hide(places: Floats, view: int) -> Bools:
+        return np.concatenate([of_group(each, view) for of_group, each in zip(hides, np.split(places, ends))])
+
+    found = edges_beside(np.concatenate(corners), views, _POINTS, hide=hide)
+    return [Beside(*of_group) for of_group in zip(*(np.split(each, ends) for each in found))]
+
+
+def _silhouettes(solids: Solids, beside: Beside, rig: StereoRig) -> EdgeRows:
     sight = beside.sight(rig)
     residual, jacobian = residuals(sight, solids, nearest_tangents(sight, solids))
     ahead = np.diff(sight.points, axis=2, append=sight.points[:, :, :1]) * rig.focal_px
@@ -126,7 +144,7 @@ def _silhouettes(
     by_turns = np.zeros((*residual.shape, 2))
     by_turns[:, _POINTS:] = _turning_px(sight.points[:, 1], sight.normals[:, 1], rig.focal_px)
     columns = [jacobian, rounding_px(jacobian, solids.kind.sizes)[..., None], by_turns]
-    return EdgeRows(residual, np.concatenate(columns, axis=2), weight, length_px), beside.hidden
+    return EdgeRows(residual, np.concatenate(columns, axis=2), weight, length_px)
 
 
 def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
@@ -135,18 +153,14 @@ def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
     return -focal_px * np.stack([dot(normals, moved) for moved in turning(points)], axis=-1)
 
 
-def _creases(
-    solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig, hide: Hide | None
-) -> CreaseRows:
+def _creases(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig, hide: Hide) -> CreaseRows:
     sides = [_creases_in(solids, corners[:, i], rig.eyes_m[i], view, i, hide) for i, view in enumerate(views)]
     rows = EdgeRows(*(np.concatenate(each, axis=1) for each in zip(*(side.rows for side in sides))))
     slides, there, hidden = (np.concatenate(each, axis=1) for each in zip(*(side[1:] for side in sides)))
     return CreaseRows(rows, slides, there, hidden)
 
 
-def _creases_in(
-    solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, side: int, hide: Hide | None
-) -> CreaseRows:
+def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, side: int, hide: Hide) -> CreaseRows:
     """Those of one view, each measured across the crease."""
     inner = creases(solids, eye_m[None])
     own = inner.unit[:, 0] * solids.half_m[:, None, solids.kind.axes]
@@ -158,7 +172,7 @@ def _creases_in(
     length = np.sqrt(dot(along, along))
     normals = np.stack([along[..., 1], -along[..., 0]], axis=-1) / (length[..., None] + _TINY)
     seen = inner.seen[:, 0] & (length > _TINY)
-    hidden = hide(image, side) if hide else np.zeros(seen.shape, bool)
+    hidden = hide(image, side)
     offset, weight = _measured(view, image * focal + view.camera.P[:2, 2], normals, seen & ~hidden)
     # How a point's image moves across its crease with the point: (S, K, 3).
     across = np.concatenate([normals, -dot(image, normals)[..., None]], axis=2) * focal / depth_m

@@ -64,6 +64,10 @@ class CreaseRows(NamedTuple):
     there: Bools
     hidden: Bools
 
+    def turned(self, turn_rad: Floats) -> CreaseRows:
+        """As of `EdgeRows`."""
+        return self._replace(rows=self.rows.turned(turn_rad))
+
     def along(self, values: Floats) -> Floats:
         """Sums (S, C, ...) along each crease, in both views, of values (S, M, ...)."""
         count = len(values)

@@ -26,7 +26,7 @@ def images(empty: bool = False) -> Images:
 
 
 def evidence(solid: Solids, empty: bool = False) -> EdgeEvidence:
-    seen = edges_seen(solid, images(empty).maps, RIG)
+    seen = edges_seen([solid], images(empty).maps, RIG)[0]
     return seen.evidence(usual_sigma_px(seen.scale_px, seen.shown))
 
 
@@ -71,7 +71,7 @@ def test_the_step_leads_back(name: str, axis: int) -> None:
 def test_a_rounded_part_reaches_as_far_as_balls_around_a_smaller_one(name: str) -> None:
     """By the supports of both themselves, not by derivatives; round ones are polygons where they are measured."""
     solid, radius_m = solid_of(RIG, SCENE, PARTS[name]), 1e-3
-    jacobian = edges_seen(solid, images().maps, RIG).outer.jacobian
+    jacobian = edges_seen([solid], images().maps, RIG)[0].outer.jacobian
     across = jacobian[..., :3] @ solid.rotation
     sharp, smaller = (dot(across, solid.kind.touch(across, half)) for half in (solid.half_m, solid.half_m - radius_m))
     further_px = smaller + radius_m * np.linalg.norm(across, axis=-1) - sharp

@@ -86,10 +86,10 @@ def test_creases_that_another_hides_are_none_that_show() -> None:
     """A box is there; behind something that hides it all nothing speaks for it."""
     scene = Scene((PARTS["box"],), PLACED, ambient=0.6)
     maps, solid = Images(rectified(THESIS, scene)).maps, solid_of(THESIS, scene, PARTS["box"])
-    assert edges_seen(solid, maps, THESIS).inner.shown()[0] > 0.6
+    assert edges_seen([solid], maps, THESIS)[0].inner.shown()[0] > 0.6
 
     def everything(places: Floats, view: int) -> Bools:
         return np.ones(places.shape[:2], bool)
 
-    assert edges_seen(solid, maps, THESIS, hide=everything).inner.shown()[0] == 0.0
-    assert edges_seen(solid, maps, THESIS, hide=everything).shown[0] == 0.0
+    assert edges_seen([solid], maps, THESIS, hides=[everything])[0].inner.shown()[0] == 0.0
+    assert edges_seen([solid], maps, THESIS, hides=[everything])[0].shown[0] == 0.0
