@@ -98,7 +98,7 @@ class Nodes:
         Only what is stamped since the source's start: of sources before it something may still be on its way.
         """
         graph, received = self.system.graph, self.received
-        values = {"source": source, "loop": True, "rate": 0.4, **values}
+        values = {"source": source, "loop": True, "rate": 0.1, **values}
         start_ns = Recorded.start_ns_of(source)
         if not self.one_process:
             assert graph.set_parameter("correspondence", "method", method).successful
@@ -123,7 +123,7 @@ class Nodes:
         graph, start_ns = self.system.graph, Recorded.start_ns_of(bag)
         assert graph.set_parameter("correspondence", "method", method).successful
         for _ in range(3):
-            player = self.system.start_node("capture", {"source": bag, "rate": 0.4})
+            player = self.system.start_node("capture", {"source": bag, "rate": 0.1})
             graph.wait(lambda player=player: not player.running(), "the end of the recording")
             assert player.wait() == 0, player.output
             graph.spin(DEADLINE_S, until=lambda: len(self.received.since(start_ns).positions()) == pairs)
@@ -299,7 +299,7 @@ def test_a_method_changed_live_takes_effect(nodes: Nodes, tmp_path: Path) -> Non
     bag = Recorded.write(tmp_path / "bag", load_rig(DEMO_RIG), demo_pairs(2))
     expected = {method: offline(bag, method, tmp_path / f"{method}.jsonl") for method in METHODS}
     graph, received = nodes.system.graph, nodes.received
-    player = nodes.system.start_node("capture", {"source": bag, "loop": True, "rate": 0.4})
+    player = nodes.system.start_node("capture", {"source": bag, "loop": True, "rate": 0.1})
     for method in ("ssd", "feature", "ssd"):
         assert graph.set_parameter("correspondence", "method", method).successful
         before = len(received.poses)

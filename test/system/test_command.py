@@ -247,7 +247,7 @@ def test_run_loops_until_a_signal_and_leaves_no_process(
 
 
 def test_a_second_run_in_one_domain_is_refused_and_the_first_goes_on(bag: Path, system: System) -> None:
-    first = system.start_command("run", "--source", str(bag), "--rate", "0.5", "--loop", "--one-process")
+    first = system.start_command("run", "--source", str(bag), "--rate", "0.02", "--loop", "--one-process")
     system.graph.wait(lambda: shown(first.output), f"poses: {first.output}")
     second = system.start_command("run", "--source", str(bag))
     assert second.wait() == 1
