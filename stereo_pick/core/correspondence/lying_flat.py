@@ -30,6 +30,7 @@ from stereo_pick.core.correspondence.window_planes import of_table, sigma_on_tab
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.objects import Blob
+from stereo_pick.core.sampling import remapped
 from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized
@@ -39,6 +40,7 @@ from stereo_pick.core.shapes.table import Table
 
 _WIDTH_PX = 640  # of the reduced views, as all pixels here
 _SIDE_PX, _STRIDE_PX = 11, 3
+_AROUND_PX = np.indices((_SIDE_PX, _SIDE_PX)).reshape(2, -1) - _SIDE_PX // 2  # rows and columns of a window
 _PLACED_PX = 0.05  # sigma that the edges in a window promise: rectified noise is smooth, and seems to promise less
 _ALIKE = 0.7  # correlation
 _SIGMAS = 3.0
@@ -54,16 +56,18 @@ _TINY = 1e-9
 
 class _Seen(NamedTuple):
     """Windows that show edges, N of them. left, right: their middles (N, 2), where the table puts them in the right
-    view; open_px: by how much their disparity (N,) may differ from the table's; lies: which of them (N,) show it;
-    itself: which (N,) show edges of their own, and not the halo, in what is uneven, of one beside them; view: that of
-    the left camera, of a scale."""
+    view; open_px: by how much their disparity (N,) may differ from the table's; alike: how alike (N,) both views are
+    there; lies: which of them (N,) show it; itself: which (N,) show edges of their own, and not the halo, in what is
+    uneven, of one beside them; view, right_view: those of both cameras, of a scale."""
 
     left: Floats
     right: Floats
     open_px: Floats
+    alike: Floats
     lies: Bools
     itself: Bools
     view: Grey
+    right_view: Grey
     scale: float
 
 
@@ -99,11 +103,15 @@ class WarpedViews:
     def is_seen_in_place_of(self, fit: SolidFit) -> bool:
         """Whether the table, as far as it is known, is seen where a solid would hide it from both cameras.
 
+        Windows that are as alike where the solid's surface is say nothing: the shading of a ball fits many disparities.
         Where a solid is so slim that no window is clear of its outline, that lies on the table as well, or it does not.
         """
         within_px, is_slim = self._within(fit)
-        hidden = self._before_table(fit, within_px > (0.0 if is_slim else _WITHIN_PX))
-        return int(hidden.sum()) >= _LEAST and float(self._seen.lies[hidden].mean()) > (_HALF if is_slim else _MOST)
+        hidden, surface_px = self._before_table(fit, within_px > (0.0 if is_slim else _WITHIN_PX))
+        if int(hidden.sum()) < _LEAST:
+            return False
+        told = self._seen.alike[hidden] > self._alike_at(hidden, surface_px)
+        return float((self._seen.lies[hidden] & told).mean()) > (_HALF if is_slim else _MOST)
 
     def is_told_from_marks(self, fit: SolidFit) -> bool:
         """Whether a solid rises by so much, a pixel of disparity of the whole views, that what lies on the table would
@@ -143,9 +151,10 @@ class WarpedViews:
         slim_px = min(_half_width_px(*side, seen.scale) for side in sides)
         return np.where(seen.itself, np.minimum(*each_px), -np.inf), slim_px < _SIDE_PX
 
-    def _before_table(self, fit: SolidFit, inside_it: Bools) -> Bools:
+    def _before_table(self, fit: SolidFit, inside_it: Bools) -> tuple[Bools, Floats]:
         """Which of those windows inside its outlines (N,) have its surface clearly before the table, and not in the end
-        of what may be a tube: it stands on the table, and that is seen through it."""
+        of what may be a tube: it stands on the table, and that is seen through it; and the surface's disparity (K,) in
+        these."""
         seen, rig = self._seen, self.pair.rig
         places = normalized(_at_full_size(seen.left[inside_it], seen.scale), rig.left)
         ahead = np.c_[places, np.ones(len(places))]
@@ -154,9 +163,20 @@ class WarpedViews:
         surface_px = seen.scale * (rig.focal_px * rig.baseline_m / depth_m + apart_px)
         table_px = (seen.left - seen.right)[inside_it, 0]
         is_before = surface_px - table_px > _RISES_PX + 2 * seen.open_px[inside_it]
+        is_before &= ~_in_an_end(fit, rig.eyes_m[0] + depth_m[:, None] * ahead)
         before = inside_it.copy()
-        before[inside_it] = is_before & ~_in_an_end(fit, rig.eyes_m[0] + depth_m[:, None] * ahead)
-        return before
+        before[inside_it] = is_before
+        return before, surface_px[is_before]
+
+    def _alike_at(self, chosen: Bools, disparity_px: Floats) -> Floats:
+        """How alike (K,) windows, chosen (N,) of all, are to what the right view shows at these disparities (K,)."""
+        seen = self._seen
+        x, y = seen.left[chosen].astype(int).T
+        around = y[:, None] + _AROUND_PX[0], x[:, None] + _AROUND_PX[1]
+        there = np.stack([around[1] - disparity_px[:, None], around[0]], axis=-1)
+        one, other = seen.view[around], remapped(seen.right_view, there, cv2.BORDER_CONSTANT, cv2.INTER_CUBIC)
+        squares = (one * one).sum(axis=1) * (other * other).sum(axis=1)
+        return np.asarray((one * other).sum(axis=1) / np.sqrt(np.maximum(squares, _TINY)), np.float64)
 
     def _is_known_at(self, outline: Blob) -> bool:
         """Whether the table is known so well there that a part as long as an outline would show if it stood up."""
@@ -199,7 +219,7 @@ class WarpedViews:
         there_px = windows.centre_px - np.c_[windows.disparity_px, np.zeros(len(centre_px))]
         column, row = centre_px.astype(int).T
         itself = predicted_sigma_px(plain, noise, _SIDE_PX, "zncc")[row, column] < _PLACED_PX
-        return _Seen(centre_px, there_px, open_px, lies, itself, left, scale)
+        return _Seen(centre_px, there_px, open_px, alike, lies, itself, left, right, scale)
 
 
 def _in_an_end(fit: SolidFit, places_m: Floats) -> Bools:

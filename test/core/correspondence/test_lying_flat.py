@@ -7,6 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from family_scenes import found
 from grain_on_planes import columns_in_left, plane, seen
 from outlines import disc
 from rigs import RIGS
@@ -133,6 +134,12 @@ def test_the_halo_of_an_outline_is_no_table_behind_a_solid() -> None:
     noise = np.random.default_rng(0).normal(0, 0.7, (2, height, width))
     left, right = (np.rint(200 - 180 * each + more).astype(np.uint8) for each, more in zip((dark, dark_right), noise))
     assert not WarpedViews(RectifiedPair(left, right, RIG, 0), MEASURED).shows_through(ball(RADIUS_PX - 2))
+
+
+def test_the_shading_of_a_ball_is_no_table_behind_it() -> None:
+    """Seen from above; it was found, with edges all around, and refused as flat."""
+    result = found("elevation_30_to_90", 355)
+    assert len(result.missed) == 0 and result.wrong == 0
 
 
 def test_nothing_shows_through_a_solid_where_nothing_is_seen_at_all() -> None:
