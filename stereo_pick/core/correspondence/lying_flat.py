@@ -20,6 +20,7 @@ from stereo_pick.core.correspondence.table_windows import (
     Windows,
     clear_of_objects,
     on_grid,
+    pixels_around,
     reduced,
     uneven,
     valid,
@@ -40,7 +41,6 @@ from stereo_pick.core.shapes.table import Table
 
 _WIDTH_PX = 640  # of the reduced views, as all pixels here
 _SIDE_PX, _STRIDE_PX = 11, 3
-_AROUND_PX = np.indices((_SIDE_PX, _SIDE_PX)).reshape(2, -1) - _SIDE_PX // 2  # rows and columns of a window
 _PLACED_PX = 0.05  # sigma that the edges in a window promise: rectified noise is smooth, and seems to promise less
 _ALIKE = 0.7  # correlation
 _SIGMAS = 3.0
@@ -169,10 +169,10 @@ class WarpedViews:
         return before, surface_px[is_before]
 
     def _alike_at(self, chosen: Bools, disparity_px: Floats) -> Floats:
-        """How alike (K,) windows, chosen (N,) of all, are to what the right view shows at these disparities (K,)."""
+        """How alike (K,) windows, chosen (N,) of all, are to what the right view shows at these disparities (K,), as of
+        `off_plane`."""
         seen = self._seen
-        x, y = seen.left[chosen].astype(int).T
-        around = y[:, None] + _AROUND_PX[0], x[:, None] + _AROUND_PX[1]
+        around = pixels_around(seen.left[chosen].astype(int), _SIDE_PX)
         there = np.stack([around[1] - disparity_px[:, None], around[0]], axis=-1)
         one, other = seen.view[around], remapped(seen.right_view, there, cv2.BORDER_CONSTANT, cv2.INTER_CUBIC)
         squares = (one * one).sum(axis=1) * (other * other).sum(axis=1)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats, Image, Ints
 from stereo_pick.core.camera import Camera
-from stereo_pick.core.correspondence.table_windows import on_grid
+from stereo_pick.core.correspondence.table_windows import on_grid, pixels_around
 from stereo_pick.core.correspondence.texture import predicted_sigma_px
 from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.frames import RectifiedPair
@@ -30,7 +30,6 @@ from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.surface import entered
 
 _SIDE_PX, _STRIDE_PX = 11, 3
-_AROUND_PX = np.indices((_SIDE_PX, _SIDE_PX)).reshape(2, -1) - _SIDE_PX // 2  # rows and columns of a window
 _PLACED_PX = 0.05  # sigma that the edges in a window promise
 _ALIKE = 0.7  # correlation
 _LEAD = 0.1  # of it, by which the best place must beat the surface, and what lies behind that
@@ -125,7 +124,7 @@ class _Surface:
         x, y = places.T
         if len(places) * _SIDE_PX**2 > self.left.size:
             return np.asarray(self._alike(off_px)[y, x])
-        around = y[:, None] + _AROUND_PX[0], x[:, None] + _AROUND_PX[1]
+        around = pixels_around(places, _SIDE_PX)
         points = np.stack([self.columns[around] - np.float32(off_px), self.rows[around]], axis=-1)
         there = remapped(self.right, points, cv2.BORDER_CONSTANT, cv2.INTER_CUBIC)
         middle = points[:, _SIDE_PX**2 // 2, None]

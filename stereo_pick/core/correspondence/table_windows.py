@@ -87,6 +87,13 @@ def on_grid(usable: Bools, wide_px: int, high_px: int, stride_px: int) -> Ints:
     return np.stack([columns, rows], axis=1) * stride_px + (beside, above)
 
 
+def pixels_around(places: Ints, side_px: int) -> tuple[Ints, Ints]:
+    """The rows and the columns (N, side_px²) of the pixels of square windows around places (N, 2), column and row."""
+    rows, columns = np.indices((side_px, side_px)).reshape(2, -1) - side_px // 2
+    x, y = places.T
+    return y[:, None] + rows, x[:, None] + columns
+
+
 def matches(
     left: Grey, right: Grey, places: Ints, size_px: tuple[int, int], disparities_px: tuple[float, float]
 ) -> Windows:
