@@ -1,4 +1,8 @@
-"""OpenCV's stereo YAML: K1 D1 K2 D2 R T, with `X_right = R X_left + T`."""
+"""OpenCV's stereo YAML: K1 D1 K2 D2 R T, with `X_right = R X_left + T`.
+
+OpenCV writes no distortion model. The number of coefficients tells it, but for the four of `cv2.fisheye`, which may be
+those of plumb_bob: `distortion_model1` and `distortion_model2` say it of such lenses.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +19,14 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.transform import Transform
 
 _METRES_PER_UNIT = {"m": 1.0, "mm": 0.001, "cm": 0.01}
+_FISHEYE = "equidistant"
+_RATIONAL_LENGTHS = (8, 12, 14)
 
 
 def load_opencv(path: Path) -> StereoRig:
     """Read an OpenCV stereo YAML: K1 D1 K2 D2 R T, image_width, image_height, and `unit` (m unless given).
+
+    `distortion_model1` and `distortion_model2` (those of camera_info) are told by D1 and D2 unless given.
 
     Raises CalibrationError naming the file and the field.
     """
@@ -55,6 +63,9 @@ def save_opencv(rig: StereoRig, path: Path) -> None:
         ("T", right_T_left.translation.reshape(3, 1)),
     ):
         storage.write(name, np.array(value))
+    for number, camera in enumerate((rig.left, rig.right), 1):
+        if camera.distortion_model == _FISHEYE:
+            storage.write(f"distortion_model{number}", _FISHEYE)
     storage.release()
 
 
@@ -68,11 +79,13 @@ def _rig_from_storage(storage: cv2.FileStorage) -> StereoRig:
             value = value.ravel()
         return floats(name, value, *shape)
 
+    def camera(name: str, number: int) -> Camera:
+        K, D = matrix(f"K{number}", 3, 3), matrix(f"D{number}", None)
+        return Camera(name, width, height, K, D, np.eye(3), np.eye(3, 4), _model(storage, number, len(D)))
+
     width, height = (_side_px(storage, name) for name in ("image_width", "image_height"))
     unit = _unit(storage.getNode("unit"))
-    P = np.eye(3, 4)
-    left = Camera("left", width, height, matrix("K1", 3, 3), matrix("D1", None), np.eye(3), P)
-    right = Camera("right", width, height, matrix("K2", 3, 3), matrix("D2", None), np.eye(3), P)
+    left, right = camera("left", 1), camera("right", 2)
     T = matrix("T", None) * _METRES_PER_UNIT[unit]
     return StereoRig.from_extrinsics(left, right, Transform(matrix("R", 3, 3), floats("T", T, 3)))
 
@@ -87,6 +100,13 @@ def _side_px(storage: cv2.FileStorage, name: str) -> int:
     if isinstance(value, str) or not value.is_integer():
         raise CalibrationError(f"{name} {value!r} must be a whole number of pixels")
     return int(value)
+
+
+def _model(storage: cv2.FileStorage, number: int, coefficients: int) -> str:
+    node = storage.getNode(f"distortion_model{number}")
+    if not node.empty():
+        return str(_content(node))
+    return "rational_polynomial" if coefficients in _RATIONAL_LENGTHS else "plumb_bob"
 
 
 def _content(node: cv2.FileNode) -> str | float:

@@ -42,11 +42,24 @@ def test_what_is_written_is_read_back(name: str, form: str, tmp_path: Path) -> N
     assert_same(load_rig(tmp_path), RIGS[name])
 
 
-def test_a_fisheye_rig_survives_as_camera_info(tmp_path: Path) -> None:
-    lens = camera(focal_px=420.0, D=(0.05, -0.01, 0.002, -0.001), model="equidistant")
-    rig = StereoRig.from_extrinsics(lens, lens, looking_at((0.1, 0, 0), (0, 0, 1)))
-    save_rig(rig, tmp_path)
-    assert_same(load_rig(tmp_path), rig)
+@pytest.mark.parametrize("form", ["", "stereo.yaml"])
+@pytest.mark.parametrize(
+    ("D", "model"),
+    [
+        ((0.05, -0.01, 0.002, -0.001), "equidistant"),
+        ((0.5, 0.1, 0, 0, 0, 0.7, 0.2, 0), "rational_polynomial"),
+        ((0.5, 0.1, 0, 0, 0, 0.7, 0.2, 0, 0, 0, 0, 0, 0, 0), "rational_polynomial"),
+    ],
+)
+def test_a_rig_with_lenses_of_another_model_survives(
+    D: tuple[float, ...], model: str, form: str, tmp_path: Path
+) -> None:
+    """Four coefficients of a fisheye lens in stereo.yaml were read as those of plumb_bob."""
+    lens, plain = camera(focal_px=420.0, D=D, model=model), camera(focal_px=420.0)
+    for right in (lens, plain):
+        rig = StereoRig.from_extrinsics(lens, right, looking_at((0.1, 0, 0), (0, 0, 1)))
+        save_rig(rig, tmp_path)
+        assert_same(load_rig(tmp_path / form), rig)
 
 
 def test_the_written_camera_info_is_that_of_camera_info_manager(folder: Path) -> None:
