@@ -20,6 +20,9 @@ _D_LENGTHS = {
 
 _MOST_PX = 20000  # the largest sensors have 19568 x 12588; of more, memory would run out where nobody can say why
 
+_SAME = 1e-6
+MAX_SKEW_PX = 0.05  # at the image's edge
+
 # Focal lengths by the larger side of the image: from 157 degrees of view to half a degree
 _LEAST_FOCAL, _MOST_FOCAL = 0.1, 100.0
 
@@ -120,6 +123,7 @@ class Camera:
                     f"{self.name} camera: focal length {name}[0,0] = {matrix[0, 0]:g}, {name}[1,1] = "
                     f"{matrix[1, 1]:g} px must be positive: is the camera calibrated?"
                 )
+        self._check_form()
         self._check_proportion()
         try:
             check_rotation("R", self.R)
@@ -134,6 +138,16 @@ class Camera:
             raise CalibrationError(
                 f"{self.name} camera: {len(self.D)} distortion coefficients do not fit {self.distortion_model!r}, "
                 f"which has {' or '.join(map(str, _D_LENGTHS[self.distortion_model]))}"
+            )
+
+    def _check_form(self) -> None:
+        """K has the form that ROS and OpenCV read, of which they look at fx, fy, cx and cy alone."""
+        skew_px = abs(self.K[0, 1]) / self.K[1, 1] * self.height_px / 2
+        if skew_px > MAX_SKEW_PX or not np.allclose(self.K[[1, 2, 2, 2], [0, 0, 1, 2]], (0, 0, 0, 1), atol=_SAME):
+            written = ", ".join(f"{value:g}" for value in self.K.ravel())
+            raise CalibrationError(
+                f"{self.name} camera: K = {written} is not of the form fx, 0, cx, 0, fy, cy, 0, 0, 1: transpose it if "
+                "it is Matlab's, or calibrate again without skew"
             )
 
     def _check_proportion(self) -> None:

@@ -104,6 +104,12 @@ def test_a_camera_info_without_coefficients_has_no_distortion() -> None:
         ({"K": np.diag([1e7, 1e7, 1.0])}, r"K\[0,0\] = 1e\+07 px is no lens's"),
         ({"K": np.diag([0.0045, 0.0045, 1.0])}, r"K\[0,0\] = 0.0045 px is no lens's"),
         ({"K": np.full((3, 3), np.nan)}, "K holds nan"),
+        (
+            {"K": camera().K.T},
+            "K = .* is not of the form fx, 0, cx, 0, fy, cy, 0, 0, 1: transpose it if it is Matlab's",
+        ),
+        ({"K": camera().K + [[0, 2, 0], [0, 0, 0], [0, 0, 0]]}, "K = .* is not of the form .* without skew"),
+        ({"K": 2 * camera().K}, "K = .*, 2 is not of the form"),
         ({"K": np.eye(2)}, r"K has shape \(2, 2\)"),
         ({"D": np.array([0.1, np.inf, 0, 0, 0])}, "D holds inf"),
         ({"D": np.zeros(3)}, "3 distortion coefficients do not fit 'plumb_bob'"),

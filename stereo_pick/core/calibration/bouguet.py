@@ -9,12 +9,11 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.calibration.parameters import transform
-from stereo_pick.core.camera import Camera
+from stereo_pick.core.camera import MAX_SKEW_PX, Camera
 from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.rig import StereoRig
 
 METRES_PER_UNIT = {"mm": 0.001, "cm": 0.01, "m": 1.0}
-MAX_SKEW_PX = 0.05  # at the image's edge
 
 
 def rig_from_bouguet(values: Mapping[str, Any], unit: str = "mm") -> StereoRig:
