@@ -25,13 +25,19 @@ class StereoRig:
     """Left and right camera whose R and P describe one rectified view with horizontal rows (REP 104).
 
     Raises CalibrationError where the baseline is zero, negative or given in millimetres, or where
-    R and P of the two cameras do not belong together.
+    R and P, or the image sizes, of the two cameras do not belong together.
     """
 
     left: Camera
     right: Camera
 
     def __post_init__(self) -> None:
+        sizes = [f"{camera.width_px} x {camera.height_px}" for camera in (self.left, self.right)]
+        if sizes[0] != sizes[1]:
+            raise CalibrationError(
+                f"the left camera's images are {sizes[0]}, the right one's {sizes[1]}: let both cameras run at one "
+                "resolution, and calibrate again"
+            )
         check_baseline(self.right_T_left)
         right = self.right.P
         if abs(right[1, 3]) > 1e-6 * abs(right[0, 3]):

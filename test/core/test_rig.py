@@ -68,6 +68,16 @@ def test_cameras_that_come_with_any_rectification_get_the_rigs_own() -> None:
     np.testing.assert_allclose(again.right.P, rig.right.P)
 
 
+def test_cameras_of_two_image_sizes_are_refused() -> None:
+    """Windows of one view reached beyond the other, which ended in a traceback."""
+    rig = RIGS["verged"]
+    small = replace(rig.right, width_px=320, height_px=240)
+    with pytest.raises(
+        CalibrationError, match="left camera's images are 640 x 480, the right one's 320 x 240: let both"
+    ):
+        StereoRig.from_cameras(rig.left, small)
+
+
 def test_a_zero_baseline_is_refused() -> None:
     """data/vigir2024_same_camera: both images came from one camera, and the rms was excellent."""
     with pytest.raises(CalibrationError, match=r"baseline = 0\.100 mm is zero: both images come from the same place"):

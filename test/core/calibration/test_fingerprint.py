@@ -78,7 +78,7 @@ def test_every_other_rig_has_another_hash() -> None:
         StereoRig.from_extrinsics(left, right, turned),
         StereoRig.from_extrinsics(camera(focal_px=900.0001), right, right_T_left),
         StereoRig.from_extrinsics(left, camera("right", D=(0, 0, 1e-6, 0, 0)), right_T_left),
-        StereoRig.from_extrinsics(camera(size_px=(641, 480)), right, right_T_left),
+        StereoRig.from_extrinsics(camera(size_px=(641, 480)), camera("right", size_px=(641, 480)), right_T_left),
     ]
     hashes = [calibration_hash(rig) for rig in rigs]
     assert len(set(hashes)) == len(rigs)
