@@ -4,6 +4,7 @@ ros2 launch stereo_pick stereo_pick.launch.py source:=my_bag calibration:=my_rig
 ros2 launch stereo_pick stereo_pick.launch.py            # cameras publish left|right/image_raw and camera_info
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 from launch import LaunchDescription
@@ -14,17 +15,17 @@ from launch_ros.substitutions import FindPackageShare
 
 ARGUMENTS = {
     "source": ("", "a bag or a folder of image pairs to replay; empty starts no capture node: a driver publishes"),
-    "calibration": ("", "folder with left.yaml and right.yaml; empty takes the bag's camera_info"),
+    "calibration": ("", "folder with left.yaml and right.yaml; empty takes that of params_file, or the bag's"),
     "calibration_file": ("", "calibration.yaml with uncertainties; empty takes that of the folder `calibration`"),
     "hand_eye_file": ("", "file of stereo-pick hand-eye; poses are then in the robot's frame"),
-    "method": ("feature", "how objects are found again in the right view: feature or ssd"),
+    "method": ("", "how objects are found again in the right view: feature or ssd; empty takes that of params_file"),
     "params_file": (
         PathJoinSubstitution([FindPackageShare("stereo_pick"), "config", "stereo_pick.yaml"]),
         "parameters of all nodes",
     ),
-    "rate": ("1.0", "speed of the replay"),
-    "loop": ("false", "start the recording over at its end"),
-    "use_sim_time": ("false", "take the time from /clock, which the capture node publishes"),
+    "rate": ("", "speed of the replay; empty takes that of params_file"),
+    "loop": ("", "true starts the recording over at its end; empty takes that of params_file"),
+    "use_sim_time": ("", "true takes the time from /clock, which the capture node publishes"),
     "namespace": ("", "namespace of all nodes and topics"),
     "one_process": ("false", "all four nodes in one process; needs a source"),
 }
@@ -44,17 +45,25 @@ def _record_of(calibration: str) -> str:
     return str(path) if calibration and path.is_file() else ""
 
 
+def _is_true(text: str) -> bool:
+    if text.lower() not in ("true", "false"):
+        raise ValueError(f"{text!r} must be true or false")
+    return text.lower() == "true"
+
+
 def _nodes(context) -> list[Node]:
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    common = {"use_sim_time": value["use_sim_time"] == "true"}
-    # Typed here: on the command line 1 would become an integer, which a parameter of type double refuses.
-    capture = {"rate": float(value["rate"]), "loop": value["loop"] == "true"}
-    capture |= {name: value[name] for name in ("source", "calibration")}
-    correspondence = {"method": value["method"]}
 
-    record = value["calibration_file"] or _record_of(value["calibration"])
-    files = {"calibration_file": record, "hand_eye_file": value["hand_eye_file"]}
-    triangulation = {name: path for name, path in files.items() if path}
+    def given(**kinds: Callable[[str], object]) -> dict[str, object]:
+        """What is not empty, as that would win over params_file; typed, as doubles refuse an integer."""
+        return {name: kind(value[name]) for name, kind in kinds.items() if value[name]}
+
+    common = given(use_sim_time=_is_true)
+    capture = given(source=str, calibration=str, rate=float, loop=_is_true)
+    correspondence = given(method=str)
+
+    value["calibration_file"] = value["calibration_file"] or _record_of(value["calibration"])
+    triangulation = given(calibration_file=str, hand_eye_file=str)
 
     def node(name: str, **parameters: object) -> Node:
         return Node(
@@ -63,10 +72,10 @@ def _nodes(context) -> list[Node]:
             namespace=value["namespace"],
             name=None if name == "stereo_pick" else name,
             output="screen",
-            parameters=[value["params_file"], {**common, **parameters}],
+            parameters=[value["params_file"], *([own] if (own := {**common, **parameters}) else [])],
         )
 
-    if value["one_process"] == "true":
+    if _is_true(value["one_process"]):
         return [node("stereo_pick", **capture, **correspondence, **triangulation)]
     nodes = [node("triangulation", **triangulation), node("correspondence", **correspondence), node("rectification")]
     return [*nodes, node("capture", **capture)] if value["source"] else nodes

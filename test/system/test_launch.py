@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import ast
 import importlib.util
+import runpy
 import shutil
 import signal
 import sys
 from configparser import ConfigParser
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from recordings import DEMO_BAG
@@ -60,15 +63,42 @@ def test_every_node_that_it_starts_is_installed() -> None:
     assert (ROOT / "config" / "stereo_pick.yaml").is_file()
 
 
-def test_its_defaults_are_those_of_the_parameters() -> None:
-    from stereo_pick.cli.parameters import nodes
+def _launched(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> dict[str, dict[str, object]]:
+    """By executable what its node is given beyond params_file, by as much of ROS's launch as the file needs."""
 
-    arguments = _arguments()
-    capture = nodes()["capture"]
-    for name in ("source", "calibration", "rate", "loop"):
-        default = ast.literal_eval(arguments[name].elts[0])  # type: ignore[attr-defined]
-        assert default == (str(capture[name].default).lower() if name == "loop" else str(capture[name].default))
-    assert ast.literal_eval(arguments["method"].elts[0]) == nodes()["correspondence"]["method"].default  # type: ignore[attr-defined]
+    class Stub:
+        def __init__(self, *args: Any, **more: Any) -> None:
+            self.args, self.more = args, more
+
+        def perform(self, context: dict[str, str]) -> str:
+            return context[self.args[0]]
+
+    names = [node.names for node in TREE.body if isinstance(node, ast.ImportFrom) and "launch" in str(node.module)]
+    content = dict.fromkeys((name.name for each in names for name in each), Stub)
+    for module in (
+        "launch",
+        "launch.actions",
+        "launch.substitutions",
+        "launch_ros.actions",
+        "launch_ros.substitutions",
+    ):
+        monkeypatch.setitem(sys.modules, module, SimpleNamespace(**content))
+    launch = runpy.run_path(str(LAUNCH))
+    context = {name: default for name, (default, _) in launch["ARGUMENTS"].items()} | arguments
+    nodes = [node.more for node in launch["_nodes"](context)]
+    return {node["executable"]: {k: v for own in node["parameters"][1:] for k, v in own.items()} for node in nodes}
+
+
+def test_what_is_not_given_is_left_to_params_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A default that is given on would win over it: method, rate and loop of a params_file changed nothing."""
+    assert not any(_launched(monkeypatch).values())
+    assert _launched(monkeypatch, source="my_bag")["capture_node"] == {"source": "my_bag"}
+    nodes = _launched(monkeypatch, source="my_bag", rate="1", loop="True", method="ssd", use_sim_time="true")
+    assert nodes["capture_node"] == {"source": "my_bag", "rate": 1.0, "loop": True, "use_sim_time": True}
+    assert nodes["correspondence_node"] == {"method": "ssd", "use_sim_time": True}
+    assert list(_launched(monkeypatch, source="my_bag", one_process="True")) == ["stereo_pick_node"]
+    with pytest.raises(ValueError, match="'yes' must be true or false"):
+        _launched(monkeypatch, source="my_bag", loop="yes")
 
 
 def test_the_calibration_node_is_launched_with_its_own_defaults() -> None:
