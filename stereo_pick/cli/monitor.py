@@ -31,10 +31,14 @@ _AWAITED = [
     *(topics[side].name for topics in (IMAGE_RAW, CAMERA_INFO, IMAGE_RECT, CAMERA_INFO_RECT) for side in SIDES),
     CORRESPONDENCES.name,
 ]
+_CAPTURE = "stereo_pick: capture"
+_CHAIN = {_CAPTURE, "stereo_pick: rectification", "stereo_pick: correspondence", "stereo_pick: triangulation"}
 
 
 class Monitor:
     """Receives PoseArrays and passes each on as stamp [ns], frame and positions [m]; errors of nodes once a kind.
+
+    It listens to the chain without a namespace: others in the domain are none of its business.
 
     count: PoseArrays so far; located: the objects in them; captured: the pairs that capture says it published, None
     where it was not heard; errors: what the nodes have told.
@@ -90,9 +94,9 @@ class Monitor:
 
     def _on_diagnostics(self, message: Any) -> None:
         for status in message.status:
-            if status.hardware_id != "stereo_pick":
+            if status.name not in _CHAIN:
                 continue
-            if status.name == "stereo_pick: capture":
+            if status.name == _CAPTURE:
                 pairs = [int(each.value) for each in status.values if each.key == PAIRS]
                 self.captured = max([self.captured or 0, *pairs])
             if status.level == ERROR and kind(status.message) not in map(kind, self.errors):

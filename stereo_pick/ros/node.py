@@ -81,7 +81,9 @@ class StepNode(Node):
             status = replace(status, values={**status.values, CALIBRATION_HASH: calibration_hash(self.rig)})
         self._log(status)
         now_ns = self.get_clock().now().nanoseconds
-        self._diagnostics.publish(diagnostics_message(f"stereo_pick: {self.get_name()}", status, now_ns))
+        # /diagnostics is one for all namespaces: names alone would be those of several cells' nodes.
+        name = self.get_fully_qualified_name().removeprefix("/")
+        self._diagnostics.publish(diagnostics_message(f"stereo_pick: {name}", status, now_ns))
 
     @property
     def is_heard(self) -> bool:

@@ -156,7 +156,8 @@ def test_rectification_names_a_remapped_topic(graph: Graph) -> None:
     with reserved_domain() as domain:
         other = Graph(domain, ["-r", "__ns:=/cell1", "-r", "right/image_raw:=/cam1/image"])
         other.host(RectificationNode(other.context))
-        other.wait(told(other, "rectification", WARN, "/cell1/left/image_raw", "/cam1/image"), "real names")
+        named = told(other, "cell1/rectification", WARN, "/cell1/left/image_raw", "/cam1/image")
+        other.wait(named, "real names, its own among them")
         other.close()
 
 

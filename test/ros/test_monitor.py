@@ -1,0 +1,40 @@
+"""What `run` hears of the nodes."""
+
+from __future__ import annotations
+
+import pytest
+from ros_tools import Graph, reserved_domain
+
+from stereo_pick.cli.monitor import Monitor
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, PAIRS, Status, diagnostics_message
+from stereo_pick.ros.topics import DIAGNOSTICS
+
+
+def test_it_hears_its_own_chain_and_no_other_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Errors of another namespace's nodes were printed as those of the run, and its pairs were counted."""
+    with reserved_domain() as domain:
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+        graph, failed = Graph(domain), list[str]()
+        publisher = graph.publisher(DIAGNOSTICS)
+        monitor = Monitor(lambda *_: None, failed.append)
+        told = {
+            "cell1/rectification": Status(ERROR, "the other cell's camera is dead"),
+            "cell1/capture": Status(OK, "finished", {PAIRS: "99"}),
+            "calibration": Status(ERROR, "no image"),
+            "capture": Status(OK, "finished", {PAIRS: "3"}),
+            "rectification": Status(ERROR, "its own"),
+        }
+
+        def heard() -> bool:
+            for name, status in told.items():
+                publisher.publish(diagnostics_message(f"stereo_pick: {name}", status, 0))
+            for _ in told:
+                monitor.spin(0.02)
+            return bool(failed)
+
+        try:
+            graph.wait(heard, "its own error")
+            assert (failed, monitor.captured) == (["its own"], 3)
+        finally:
+            monitor.close()
+            graph.close()
