@@ -11,11 +11,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseArray
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.signals import SignalHandlerOptions
 
 from stereo_pick.ros.messages.diagnostics import ERROR, PAIRS, kind
 from stereo_pick.ros.messages.stamps import stamp_ns
-from stereo_pick.ros.process import prepare_process
+from stereo_pick.ros.process import prepare_process, start_ros
 from stereo_pick.ros.topics import (
     CAMERA_INFO,
     CAMERA_INFO_RECT,
@@ -38,7 +37,8 @@ _CHAIN = {_CAPTURE, "stereo_pick: rectification", "stereo_pick: correspondence",
 class Monitor:
     """Receives PoseArrays and passes each on as stamp [ns], frame and positions [m]; errors of nodes once a kind.
 
-    It listens to the chain without a namespace: others in the domain are none of its business.
+    It listens to the chain without a namespace: others in the domain are none of its business. Raises ParameterError
+    where ROS does not start.
 
     count: PoseArrays so far; located: the objects in them; captured: the pairs that capture says it published, None
     where it was not heard; errors: what the nodes have told.
@@ -51,7 +51,7 @@ class Monitor:
     ) -> None:
         prepare_process()
         self._context = Context()
-        rclpy.init(args=[], context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        start_ros(self._context, [])
         self._node = rclpy.create_node(f"stereo_pick_monitor_{os.getpid()}", context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)

@@ -39,7 +39,7 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
     context = Context()
     nodes: list[StepNode] = []
     try:
-        _init(context, args)
+        start_ros(context, args)
         for factory in factories:
             nodes.append(factory(context))
         warn_of_misspelled(nodes)
@@ -69,13 +69,17 @@ def prepare_process() -> None:
         mallopt(option, value)
 
 
-def _init(context: Context, args: Sequence[str] | None) -> None:
+def start_ros(context: Context, args: Sequence[str] | None) -> None:
+    """Start ROS in this context, without its signal handlers; raises ParameterError, with the reason, if it fails."""
     given = list(args) if args is not None else None
     try:
         rclpy.init(args=given, context=context, signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
         reason = " ".join(str(error).partition(", at /")[0].split())
-        raise ParameterError(f"ROS 2 does not start ({reason}): correct what stands after --ros-args") from None
+        raise ParameterError(
+            f"ROS 2 does not start ({reason}): correct what stands after --ros-args, or the environment "
+            "(ROS_DOMAIN_ID, ROS_LOG_DIR)"
+        ) from None
 
 
 def _spin(nodes: Sequence[StepNode], context: Context, stop: threading.Event) -> None:

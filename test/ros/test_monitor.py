@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
-from ros_tools import Graph, reserved_domain
+from recordings import DEMO_BAG
+from ros_tools import Graph, environment, reserved_domain, stereo_pick
 
 from stereo_pick.cli.monitor import Monitor
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, PAIRS, Status, diagnostics_message
@@ -38,3 +41,11 @@ def test_it_hears_its_own_chain_and_no_other_cells(monkeypatch: pytest.MonkeyPat
         finally:
             monitor.close()
             graph.close()
+
+
+def test_run_says_why_ros_does_not_start(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    for name, value in (("ROS_DOMAIN_ID", "cell"), ("ROS_LOG_DIR", str(tmp_path / "file" / "log"))):
+        error = stereo_pick("run", "--source", DEMO_BAG, env=environment(0) | {name: value}).error
+        assert "ROS 2 does not start (failed to initialize" in error
+        assert "or the environment (ROS_DOMAIN_ID, ROS_LOG_DIR)" in error
