@@ -15,6 +15,7 @@ from stereo_pick.core.arrays import Image, frozen
 from stereo_pick.core.errors import ImageError, ParameterError
 
 FULL_SCALE_16 = 65535
+_BAYER = "bayer_"
 Bytes: TypeAlias = "bytes | bytearray | memoryview | array[int] | NDArray[np.uint8]"
 
 
@@ -81,6 +82,18 @@ def encode(image: Image) -> ImageBuffer:
     return ImageBuffer(width, height, width * channels, encoding, False, image.tobytes())
 
 
+def decode_message(data: Bytes, declared: str, what: str, full_scale_16: int = FULL_SCALE_16) -> Image:
+    """Decode a sensor_msgs/CompressedImage as `decode_compressed` does.
+
+    declared: its format, as `rgb8; jpeg compressed bgr8`, which begins with the encoding before compression.
+    Raises ImageError also where that is the mosaic of a Bayer sensor, still in place, which looks like a grey image.
+    """
+    decoded = decode_compressed(data, what, full_scale_16)
+    if declared.startswith(_BAYER) and decoded.ndim == 2:
+        raise _unknown(declared.partition(";")[0], what)
+    return decoded
+
+
 def decode_compressed(data: Bytes, what: str, full_scale_16: int = FULL_SCALE_16) -> Image:
     """Decode a PNG, JPEG or any other file that OpenCV knows to grey (H, W) or BGR (H, W, 3), read-only.
 
@@ -113,12 +126,16 @@ def read_image(path: Path, full_scale_16: int = FULL_SCALE_16) -> Image:
 
 def _encoding(buffer: ImageBuffer, what: str) -> _Encoding:
     known = _ENCODINGS.get(buffer.encoding)
-    if known is not None:
-        return known
+    if known is None:
+        raise _unknown(buffer.encoding, what)
+    return known
+
+
+def _unknown(encoding: str, what: str) -> ImageError:
     remedy = f"let the camera driver send one of: {', '.join(_ENCODINGS)}"
-    if buffer.encoding.startswith("bayer_"):
+    if encoding.startswith(_BAYER):
         remedy = "debayer it upstream (image_proc's DebayerNode), or let the camera driver send mono8 or bgr8"
-    raise ImageError(f"{what} has the unknown encoding {buffer.encoding!r}: {remedy}")
+    return ImageError(f"{what} has the unknown encoding {encoding!r}: {remedy}")
 
 
 def _rows(buffer: ImageBuffer, encoding: _Encoding, what: str) -> Image:

@@ -13,7 +13,7 @@ from rosbags.interfaces import TopicInfo
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ParameterError, SourceError
-from stereo_pick.core.images import FULL_SCALE_16, ImageBuffer, decode_compressed, encode
+from stereo_pick.core.images import FULL_SCALE_16, ImageBuffer, decode_message, encode
 from stereo_pick.core.pairing import MOST_OFFSET_S, Pair, Side, StampOrder, StampPairer
 from stereo_pick.sources.bag_reader import Recorded, messages, opened
 from stereo_pick.sources.bag_topics import COMPRESSED_TYPE, camera_info_topic, choose_topics
@@ -162,7 +162,7 @@ def _buffer(recorded: Recorded, full_scale_16: int) -> ImageBuffer:
     message = recorded.message
     if recorded.type == COMPRESSED_TYPE:
         what = f"{recorded.topic} image of stamp {recorded.stamp_ns / 1e9:.3f} s"
-        return encode(decode_compressed(message.data, what, full_scale_16))
+        return encode(decode_message(message.data, message.format, what, full_scale_16))
     return ImageBuffer(
         message.width, message.height, message.step, message.encoding, bool(message.is_bigendian), message.data
     )

@@ -87,7 +87,7 @@ def ros_message(store: Any, message: Message) -> Any:
     )
     make = types[message.type]
     if message.kind == "CompressedImage":
-        return make(header=header, format="png", data=message.content)
+        return make(header=header, data=message.content, **{"format": "png", **message.extra})
     if message.kind == "CameraInfo":
         matrices = {name.upper() if ros1 else name: value for name, value in message.content.items()}
         roi = types["sensor_msgs/msg/RegionOfInterest"](0, 0, 0, 0, False)
@@ -227,6 +227,15 @@ def test_compressed_images_are_decoded(tmp_path: Path, write: Any) -> None:
     for i, pair in enumerate(source):
         assert (pixels(pair.left) == picture(2 * i)).all()
         assert (pixels(pair.right) == picture(2 * i + 1)).all()
+
+
+def test_a_compressed_bayer_mosaic_is_refused_as_it_is_uncompressed(tmp_path: Path) -> None:
+    """image_transport compresses the mosaic as it is, and decoded it looks like a grey image."""
+    bayer = [replace(compressed(each), extra={"format": "bayer_rggb8; jpeg compressed "}) for each in stereo(2)]
+    with pytest.raises(
+        ImageError, match=f"{LEFT}/compressed image of stamp .* the unknown encoding 'bayer_rggb8': debay"
+    ):
+        list(BagSource.open(write_ros2(tmp_path / "bag", bayer)))
 
 
 def test_a_broken_compressed_image_is_named(tmp_path: Path) -> None:
