@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-
-from rosbags.interfaces import TopicInfo
+from typing import TYPE_CHECKING
 
 from stereo_pick.core.errors import SourceError
+
+if TYPE_CHECKING:  # a host that only rectifies needs no bag reader
+    from rosbags.interfaces import TopicInfo
 
 COMPRESSED_TYPE = "sensor_msgs/msg/CompressedImage"
 _IMAGE_TYPES = ("sensor_msgs/msg/Image", COMPRESSED_TYPE)
@@ -45,6 +47,11 @@ def camera_info_topic(image_topic: str) -> str:
     return f"{namespace}{slash}camera_info"
 
 
+def is_rectified(topic: str) -> bool:
+    """Whether an image topic's name says that its images are rectified."""
+    return "rect" in _uncompressed(topic).rpartition("/")[2]
+
+
 def _candidates(topics: Mapping[str, TopicInfo], images: list[str], left: str, right: str) -> list[tuple[str, str]]:
     """The best of the left and right topics that belong together and agree with the given ones."""
     partners = {name: _LEFT.sub(lambda match: _RIGHT_OF[match[0]], name) for name in images if _LEFT.search(name)}
@@ -53,7 +60,7 @@ def _candidates(topics: Mapping[str, TopicInfo], images: list[str], left: str, r
     ]
     if left or right:
         return pairs
-    if pairs and all(_is_rectified(name) for name, _ in pairs):
+    if pairs and all(is_rectified(name) for name, _ in pairs):
         raise SourceError(
             f"only rectified images ({pairs[0][0]}), but raw ones are needed: record image_raw, "
             "or set left_topic and right_topic if these are raw all the same"
@@ -63,7 +70,7 @@ def _candidates(topics: Mapping[str, TopicInfo], images: list[str], left: str, r
         silent = any(topics[name].msgcount == 0 for name in pair)
         return silent, not _uncompressed(pair[0]).endswith("image_raw"), _uncompressed(pair[0]) != pair[0]
 
-    raw = [pair for pair in pairs if not _is_rectified(pair[0])]
+    raw = [pair for pair in pairs if not is_rectified(pair[0])]
     return [pair for pair in raw if rank(pair) == min(map(rank, raw))]
 
 
@@ -77,10 +84,6 @@ def _only_one(pairs: list[tuple[str, str]], images: list[str]) -> tuple[str, str
         f"no image topics whose names differ in left and right alone, but {_listed(images)}: "
         "set left_topic and right_topic, or record both cameras"
     )
-
-
-def _is_rectified(topic: str) -> bool:
-    return "rect" in _uncompressed(topic).rpartition("/")[2]
 
 
 def _uncompressed(topic: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -150,6 +151,22 @@ def test_rectification_warns_of_two_cameras_on_one_topic_until_one_is_gone(graph
     cameras.until(cameras.pair, two, "both are told of")
     graph.node.destroy_publisher(other)
     cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "one is left")
+
+
+def test_rectification_warns_of_images_that_were_rectified_before() -> None:
+    """Rectified twice, parts before cameras that look towards each other are centimetres off, and no check notices."""
+    with reserved_domain() as domain:
+        names = {side: f"/{side}/image_rect_color" for side in SIDES}
+        other = Graph(domain, [part for side in SIDES for part in ("-r", f"{side}/image_raw:={names[side]}")])
+        other.host(RectificationNode(other.context))
+        cameras = Cameras(other, {side: replace(IMAGE_RAW[side], name=names[side]) for side in SIDES})
+        twice = told(other, "rectification", WARN, "/left/image_rect_color is rectified already, by its name", "remap")
+        lens = replace(RIG.left, D=np.array([-0.2, 0.1, 0.0, 0.0, 0.0]))
+        bent = StereoRig.from_extrinsics(lens, RIG.right, RIG.right_T_left)
+        cameras.until(lambda: cameras.pair(rig=bent), twice, "it warns")
+        unchanged = told(other, "rectification", OK, "pairs rectified")
+        cameras.until(cameras.pair, unchanged, "of a driver that rectifies, camera_info is of rectified images")
+        other.close()
 
 
 def test_rectification_names_a_remapped_topic(graph: Graph) -> None:

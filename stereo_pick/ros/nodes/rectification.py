@@ -6,6 +6,7 @@ import sys
 from dataclasses import replace
 from functools import partial
 
+import numpy as np
 from rclpy.context import Context
 from sensor_msgs.msg import CameraInfo, Image
 
@@ -17,13 +18,14 @@ from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.info_of_stamp import InfoOfStamp
 from stereo_pick.ros.messages.cameras import camera_info_message, camera_of, content
-from stereo_pick.ros.messages.diagnostics import ERROR, OK, PAIRS, Status
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, PAIRS, WARN, Status
 from stereo_pick.ros.messages.images import image_message
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.parameters import Values
 from stereo_pick.ros.process import run_nodes
 from stereo_pick.ros.raw_pairs import RawImageOptions, RawPairs
-from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RECT, SIDES
+from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RAW, IMAGE_RECT, SIDES
+from stereo_pick.sources.bag_topics import is_rectified
 
 _MAX_HELD = 5  # pairs that wait for their camera_info
 
@@ -79,7 +81,19 @@ class RectificationNode(StepNode):
             return replace(trouble, values=values)
         if self._rectified == 0:
             return Status(ERROR, self.last_error or f"none of {counts.pairs} pairs could be rectified", values)
-        return Status(OK, f"{self._rectified} pairs rectified", values)
+        twice = self._rectified_before()
+        return Status(WARN, twice, values) if twice else Status(OK, f"{self._rectified} pairs rectified", values)
+
+    def _rectified_before(self) -> str:
+        """What to say of images that were rectified before they came here; nothing where rectifying changes nothing."""
+        for side, info in zip(SIDES, self._used or ()):
+            topic = self.resolve_topic_name(IMAGE_RAW[side].name)
+            if is_rectified(topic) and (any(info.d) or not np.allclose(info.r, np.eye(3).ravel())):
+                return (
+                    f"{topic} is rectified already, by its name, and is rectified again by its camera_info: positions "
+                    "are off; remap to the raw images"
+                )
+        return ""
 
     def _on_camera_info(self, side: Side, message: CameraInfo) -> None:
         self._infos[side].add(message)
