@@ -36,7 +36,7 @@ examples:
       --board 9x6 --square 0.030 --output my_rig
   stereo-pick calibrate --bag calib.mcap --board charuco:11x8:0.75:5X5_100 --square 0.020 --output my_rig
 
-  A board of 10 x 7 squares has 9x6 inner corners. Quote the patterns, or the shell expands them.
+  A board of 10 x 7 squares has 9x6 inner corners.
   DIR then holds left.yaml and right.yaml (camera_info), stereo.yaml (OpenCV, in metres), and
   calibration.yaml: all of it with uncertainties, the evidence and the verdict; and
   calibration_report.html, a page with tables and pictures, which is written for a refused calibration too."""
@@ -76,9 +76,9 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 def _add_inputs(parser: argparse.ArgumentParser) -> None:
     inputs = parser.add_mutually_exclusive_group(required=True)
-    inputs.add_argument("--left", metavar="GLOB", help="raw images of the left camera, a quoted pattern")
+    inputs.add_argument("--left", nargs="+", metavar="GLOB", help="raw images of the left camera: files or a pattern")
     inputs.add_argument("--bag", type=Path, metavar="PATH", help="instead: a bag with the raw images of both cameras")
-    parser.add_argument("--right", metavar="GLOB", help="raw images of the right camera, with --left")
+    parser.add_argument("--right", nargs="+", metavar="GLOB", help="raw images of the right camera, with --left")
     for side in ("left", "right"):
         parser.add_argument(f"--{side}-topic", default="", metavar="TOPIC", help="with --bag, where names do not tell")
     add_depth_option(parser)

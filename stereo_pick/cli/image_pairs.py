@@ -22,15 +22,12 @@ class FilePair:
     right: Path
 
 
-def find_files(pattern: str, option: str) -> list[Path]:
-    """The files that match the pattern, left2 before left10; raises CalibrationError naming the option."""
-    files = [Path(match) for match in glob.glob(str(Path(pattern).expanduser()), recursive=True)]
-    files = [file for file in files if file.is_file()]
-    if not files:
-        raise CalibrationError(
-            f"{option} {pattern!r} matches no file: check the path, and quote the pattern so that the shell leaves it"
-        )
-    return sorted(files, key=_natural)
+def find_files(patterns: Sequence[str], option: str) -> list[Path]:
+    """The files that match the patterns, left2 before left10; raises CalibrationError naming the option.
+
+    Several patterns are what the shell makes of one that was not quoted.
+    """
+    return sorted({file for pattern in patterns for file in _matching(pattern, option)}, key=_natural)
 
 
 def pair_files(left: Sequence[Path], right: Sequence[Path]) -> list[FilePair]:
@@ -54,6 +51,14 @@ def disagreement(pairs: Sequence[FilePair]) -> str | None:
         f"the numbers in {len(differing)} of {len(pairs)} pairs' names disagree, first {differing[0].left.name} with "
         f"{differing[0].right.name}: files are paired by order; is one missing?"
     )
+
+
+def _matching(pattern: str, option: str) -> list[Path]:
+    files = [Path(match) for match in glob.glob(str(Path(pattern).expanduser()), recursive=True)]
+    files = [file for file in files if file.is_file()]
+    if not files:
+        raise CalibrationError(f"{option} {pattern!r} matches no file: check the path")
+    return files
 
 
 def _partnerless(left: Sequence[Path], right: Sequence[Path]) -> str:

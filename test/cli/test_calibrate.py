@@ -154,11 +154,18 @@ def test_progress_is_shown_on_a_terminal_only(
 def test_files_are_sorted_as_people_count(tmp_path: Path) -> None:
     for i in (10, 2, 1):
         (tmp_path / f"left{i}.png").touch()
-    assert [file.name for file in find_files(str(tmp_path / "left*"), "--left")] == [
-        "left1.png",
-        "left2.png",
-        "left10.png",
-    ]
+    names = ["left1.png", "left2.png", "left10.png"]
+    assert [file.name for file in find_files([str(tmp_path / "left*")], "--left")] == names
+    as_of_the_shell = [str(tmp_path / name) for name in sorted(names)]
+    assert [file.name for file in find_files(as_of_the_shell, "--left")] == names
+
+
+def test_patterns_need_no_quotes(images: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The shell makes several arguments of one pattern; they were said to be unknown."""
+    sides = {side: sorted(str(file) for file in images.glob(f"{side}*.png")) for side in ("left", "right")}
+    board = ("--board", "7x5", "--square", "0.03", "--output", str(images / "rig"))
+    assert run("--left", *sides["left"], "--right", *sides["right"], *board) == 0
+    assert "verdict" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
