@@ -19,6 +19,8 @@ from stereo_pick.sources.bag_reader import Recorded, messages, opened
 from stereo_pick.sources.bag_topics import COMPRESSED_TYPE, camera_info_topic, choose_topics
 from stereo_pick.sources.source import SourcePair
 
+_CAMERA_INFO_TYPE = "sensor_msgs/msg/CameraInfo"
+
 
 @dataclass(frozen=True)
 class BagSource:
@@ -129,9 +131,9 @@ class BagSource:
     def _images(self, reader: AnyReader) -> Iterator[Recorded]:
         """The images, up to where the calibration they are used with no longer holds: SourceError."""
         images = (self.left_topic, self.right_topic)
-        infos = tuple(camera_info_topic(topic) for topic in images) if self.uses_camera_info else ()
+        infos = (camera_info_topic(topic) for topic in images if self.uses_camera_info)
         first: dict[str, bytes] = {}
-        for recorded in messages(self.path, reader, *images, *infos):
+        for recorded in messages(self.path, reader, *images, *(topic for topic in infos if _is_info(reader, topic))):
             if recorded.topic in images:
                 yield recorded
                 continue
@@ -143,12 +145,17 @@ class BagSource:
                 )
 
     def _camera(self, reader: AnyReader, name: str, topic: str) -> Camera | None:
-        for recorded in messages(self.path, reader, topic):
+        for recorded in messages(self.path, reader, topic) if _is_info(reader, topic) else ():
             try:
                 return _camera(name, recorded.message)
             except CalibrationError as error:
                 raise CalibrationError(f"{self.path}: {topic}: {error}") from None
         return None
+
+
+def _is_info(reader: AnyReader, topic: str) -> bool:
+    """Whether a topic is there, and holds what its name says."""
+    return topic in reader.topics and reader.topics[topic].msgtype == _CAMERA_INFO_TYPE
 
 
 def _check_images(topics: Mapping[str, TopicInfo], left: str, right: str) -> None:

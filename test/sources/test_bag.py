@@ -247,6 +247,13 @@ def test_a_broken_compressed_image_is_named(tmp_path: Path) -> None:
     assert LEFT in str(error)
 
 
+def test_a_camera_info_topic_of_another_type_is_none(tmp_path: Path) -> None:
+    others = [Message(f"/stereo/{side}/camera_info", 10**18, picture(0)) for side in ("left", "right")]
+    source = BagSource.open(write_ros2(tmp_path / "bag", others + stereo(2)))
+    assert source.cameras is None
+    assert len(list(source)) == 2
+
+
 def test_cameras_are_those_of_the_recording(tmp_path: Path, write: Any) -> None:
     infos = [camera_info("/stereo/left/camera_info"), camera_info("/stereo/right/camera_info", tx=-12.5)]
     for messages in (stereo(1), [compressed(message) for message in stereo(1)]):
