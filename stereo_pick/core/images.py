@@ -16,6 +16,7 @@ from stereo_pick.core.errors import ImageError, ParameterError
 
 FULL_SCALE_16 = 65535
 _BAYER = "bayer_"
+_COMPRESSIONS = ("jpeg", "jpg", "png", "tif", "bmp", "webp")
 Bytes: TypeAlias = "bytes | bytearray | memoryview | array[int] | NDArray[np.uint8]"
 
 
@@ -86,9 +87,17 @@ def decode_message(data: Bytes, declared: str, what: str, full_scale_16: int = F
     """Decode a sensor_msgs/CompressedImage as `decode_compressed` does.
 
     declared: its format, as `rgb8; jpeg compressed bgr8`, which begins with the encoding before compression.
-    Raises ImageError also where that is the mosaic of a Bayer sensor, still in place, which looks like a grey image.
+    Raises ImageError also where that is the mosaic of a Bayer sensor, still in place, which looks like a grey image;
+    where it cannot be decoded and is declared as something else than an image file, that is what is to blame.
     """
-    decoded = decode_compressed(data, what, full_scale_16)
+    try:
+        decoded = decode_compressed(data, what, full_scale_16)
+    except ImageError:
+        if not declared or any(name in declared for name in _COMPRESSIONS):
+            raise
+        raise ImageError(
+            f"{what} is compressed as {declared!r}, neither as JPEG nor as PNG: record image_raw, or its /compressed"
+        ) from None
     if declared.startswith(_BAYER) and decoded.ndim == 2:
         raise _unknown(declared.partition(";")[0], what)
     return decoded

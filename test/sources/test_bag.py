@@ -238,6 +238,16 @@ def test_a_compressed_bayer_mosaic_is_refused_as_it_is_uncompressed(tmp_path: Pa
         list(BagSource.open(write_ros2(tmp_path / "bag", bayer)))
 
 
+def test_an_unknown_compression_is_named(tmp_path: Path) -> None:
+    """Not only the plugin `compressed` of image_transport sends a CompressedImage: zstd does, too."""
+    packed = [
+        replace(each, kind="CompressedImage", content=each.content.ravel(), extra={"format": "zstd"})
+        for each in stereo(2)
+    ]
+    with pytest.raises(ImageError, match="is compressed as 'zstd', neither as JPEG nor as PNG: record image_raw"):
+        list(BagSource.open(write_ros2(tmp_path / "bag", packed)))
+
+
 def test_a_broken_compressed_image_is_named(tmp_path: Path) -> None:
     messages = [compressed(message) for message in stereo(3)]
     messages[2] = Message(messages[2].topic, messages[2].stamp_ns, messages[2].content[:40], kind="CompressedImage")
