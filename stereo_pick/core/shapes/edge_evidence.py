@@ -93,7 +93,7 @@ def edges_seen(
     hides = hides or [_hide_nothing] * len(groups)
     corners = [silhouettes(solids, rig.eyes_m) for solids in groups]
     found = []
-    for solids, at, beside, hide in zip(groups, corners, _beside(corners, views, hides), hides):
+    for solids, at, beside, hide in zip(groups, corners, _beside(groups, corners, views, hides), hides):
         outer, inner = _silhouettes(solids, beside, rig), _creases(solids, at, views, rig, hide)
         found.append(_seen(outer.turned(turn_rad), inner.turned(turn_rad), beside.hidden, views[0].is_exact))
     return found
@@ -123,14 +123,17 @@ def _scale_px(outer: EdgeRows, inner: EdgeRows) -> Floats:
     return np.where(np.isfinite(scale), scale, ON_EDGE_PX)
 
 
-def _beside(corners: Sequence[Floats], views: Sequence[EdgeMap], hides: Sequence[Hide]) -> list[Beside]:
+def _beside(
+    groups: Sequence[Solids], corners: Sequence[Floats], views: Sequence[EdgeMap], hides: Sequence[Hide]
+) -> list[Beside]:
     """The edges next to the silhouettes (S, 2, K, 2) of each group: looked for at once, since they are so few."""
     ends = np.cumsum([len(each) for each in corners])[:-1]
 
     def hide(places: Floats, view: int) -> Bools:
         return np.concatenate([of_group(each, view) for of_group, each in zip(hides, np.split(places, ends))])
 
-    found = edges_beside(np.concatenate(corners), views, _POINTS, hide=hide)
+    is_ball = np.concatenate([each.is_ball for each in groups])
+    found = edges_beside(np.concatenate(corners), is_ball, views, _POINTS, hide=hide)
     return [Beside(*of_group) for of_group in zip(*(np.split(each, ends) for each in found))]
 
 

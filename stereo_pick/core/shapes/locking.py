@@ -61,7 +61,7 @@ def lock(
         corners = silhouettes(solids, rig.eyes_m)
         shifts_px = _SHIFTS_PX if round_ == 0 else (0.0,)
         hide = partial(occluders.hide, solids) if occluders else None
-        beside = edges_beside(corners, views, POINTS, shifts_px, hide)
+        beside = edges_beside(corners, solids.is_ball, views, POINTS, shifts_px, hide)
         sight = beside.sight(rig, table)
         now = fitted(sight, solids)
         held = np.flatnonzero(sight.weight.sum(axis=2).min(axis=1) >= _LEAST_HELD)
@@ -93,6 +93,7 @@ class Beside(NamedTuple):
 
 def edges_beside(
     corners: Floats,
+    is_ball: Bools,
     views: Sequence[EdgeMap],
     points: int,
     shifts_px: Sequence[float] = (0.0,),
@@ -100,8 +101,8 @@ def edges_beside(
 ) -> Beside:
     """The edges next to so many points of silhouettes (S, 2, K, 2).
 
-    shifts_px: where along each normal they are looked for; hide: which places (S, N, 2), normalized, of a view are
-    hidden (S, N).
+    is_ball: (S,), which of them are limbs all around; shifts_px: where along each normal they are looked for; hide:
+    which places (S, N, 2), normalized, of a view are hidden (S, N).
     """
     places, normals = (
         each.reshape(*corners.shape[:2], points, 2)
@@ -110,7 +111,7 @@ def edges_beside(
     sides = []
     for i, view in enumerate(views):
         pixels, across = places[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
-        offset, weight, sigma = _edges_near(view, pixels, across, shifts_px)
+        offset, weight, sigma = _edges_near(view, pixels, across, shifts_px, is_ball)
         hidden = hide(places[:, i], i) if hide else np.zeros(weight.shape, bool)
         weight[hidden] = 0.0
         off = np.where(weight > 0, np.abs(offset), np.inf)
@@ -119,11 +120,12 @@ def edges_beside(
 
 
 def _edges_near(
-    view: EdgeMap, points_px: Floats, normals: Floats, shifts_px: Sequence[float]
+    view: EdgeMap, points_px: Floats, normals: Floats, shifts_px: Sequence[float], is_ball: Bools
 ) -> tuple[Floats, Floats, Floats]:
     """Offset (S, N) [px, inwards] of the clearest edge near each point (S, N, 2), the trust in it, and its sigma [px].
 
-    Where that is the outer edge of a narrow shadow, the part ends behind it.
+    Where that is the outer edge of a narrow shadow, the part ends behind it. But a dark ball darkens further towards
+    its limb, which looks like one all around: it ends where more of these edges lie.
     """
     shape, noise, blur_px = points_px.shape[:-1], view.noise, view.modelled_blur_px
     points_px, normals = points_px.reshape(-1, 2), normals.reshape(-1, 2)
@@ -136,8 +138,12 @@ def _edges_near(
         offset = edges.place_px - _MIDDLE_PX + shift
         best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, trust(edges, noise), edges.step], best)
     darker = np.flatnonzero((best[2] < 0) & (best[1] > 0))
-    edges_px = points_px[darker] - best[0, darker, None] * normals[darker]
-    best[0, darker] += shadow_px(view.image, edges_px, -normals[darker], -best[2, darker], noise)
+    outer_px = best[0, darker]
+    edges_px = points_px[darker] - outer_px[:, None] * normals[darker]
+    inner_px = outer_px + shadow_px(view.image, edges_px, -normals[darker], -best[2, darker], noise)
+    part = solid[darker]
+    on_outer, on_inner = (np.bincount(part, np.abs(px) < ON_EDGE_PX, shape[0]) for px in (outer_px, inner_px))
+    best[0, darker] = np.where((is_ball & (on_outer > on_inner))[part], outer_px, inner_px)
     together = view.noise_together
     sigma_px = _NOISE_PX * np.sqrt(blur_px) * together / np.maximum(np.abs(best[2]), together)
     return best[0].reshape(shape), best[1].reshape(shape), sigma_px.reshape(shape)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats, Ints
-from stereo_pick.core.shapes.kinds import Kind
+from stereo_pick.core.arrays import Bools, Floats, Ints
+from stereo_pick.core.shapes.kinds import SPHERE, Kind
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +37,11 @@ class Solids:
             for name in ("centre_m", "rotation", "half_m", "turns")
         )
         return Solids(several[0].kind, centre, rotation, half, turns)
+
+    @property
+    def is_ball(self) -> Bools:
+        """Which (S,) are balls: all, or none."""
+        return np.full(len(self.centre_m), self.kind is SPHERE)
 
     def replaced(self, rows: Ints, others: Solids) -> Solids:
         """The same with others in these rows."""

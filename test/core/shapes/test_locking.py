@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified, solid_of
-from rendering import Scene, Solid
+from rendering import Lamp, Scene, Solid, Sphere
 from rigs import rotation
 
 from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX, EdgeMap
@@ -47,6 +47,16 @@ def test_from_2_mm_and_2_degrees_off_the_truth_is_found(name: str) -> None:
     shown = np.array([each.shown.min() for each in found])
     assert (off_m < 3e-4).sum() >= 0.75 * TRIALS
     assert (shown[off_m < 3e-4] > 0.95).all() and (shown[off_m >= 3e-4] < 0.9).all()
+
+
+@pytest.mark.parametrize("ambient", [0.0, 0.3, 0.5])
+def test_the_limb_of_a_dark_ball_that_darkens_towards_it_is_no_shadow(ambient: float) -> None:
+    ball = Sphere(0.0, 0.0, (0.05, 0.05, 0.05), albedo=0.18)
+    scene = Scene((ball,), PLACED, table_albedo=0.2, lamps=(Lamp((0.0, -0.6, 0.8)),), ambient=ambient)
+    truth = solid_of(RIG, scene, ball)
+    found = lock(truth, Images(rectified(RIG, scene)).maps, RIG)
+    np.testing.assert_allclose(found.fit.solids.half_m, truth.half_m, atol=1e-4)
+    assert found.shown.min() > 0.95
 
 
 @pytest.mark.parametrize("name", PARTS)
