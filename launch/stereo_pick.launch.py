@@ -51,12 +51,19 @@ def _is_true(text: str) -> bool:
     return text.lower() == "true"
 
 
+def _typed(name: str, text: str, kind: Callable[[str], object]) -> object:
+    try:
+        return kind(text)
+    except ValueError as error:
+        raise ValueError(f"{name}:={text} of the launch file: {error}") from None
+
+
 def _nodes(context) -> list[Node]:
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
 
     def given(**kinds: Callable[[str], object]) -> dict[str, object]:
         """What is not empty, as that would win over params_file; typed, as doubles refuse an integer."""
-        return {name: kind(value[name]) for name, kind in kinds.items() if value[name]}
+        return {name: _typed(name, value[name], kind) for name, kind in kinds.items() if value[name]}
 
     common = given(use_sim_time=_is_true)
     capture = given(source=str, calibration=str, rate=float, loop=_is_true)
@@ -75,7 +82,7 @@ def _nodes(context) -> list[Node]:
             parameters=[value["params_file"], *([own] if (own := {**common, **parameters}) else [])],
         )
 
-    if _is_true(value["one_process"]):
+    if given(one_process=_is_true).get("one_process"):
         return [node("stereo_pick", **capture, **correspondence, **triangulation)]
     nodes = [node("triangulation", **triangulation), node("correspondence", **correspondence), node("rectification")]
     return [*nodes, node("capture", **capture)] if value["source"] else nodes

@@ -54,6 +54,8 @@ def disagreement(pairs: Sequence[FilePair]) -> str | None:
 
 
 def _matching(pattern: str, option: str) -> list[Path]:
+    if Path(pattern).is_file():  # its name may hold brackets
+        return [Path(pattern)]
     files = [Path(match) for match in glob.glob(str(Path(pattern).expanduser()), recursive=True)]
     files = [file for file in files if file.is_file()]
     if not files:

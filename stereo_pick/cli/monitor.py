@@ -12,6 +12,7 @@ from geometry_msgs.msg import PoseArray
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 
+from stereo_pick.cli.chain import DOWNSTREAM
 from stereo_pick.ros.messages.diagnostics import ERROR, PAIRS, kind
 from stereo_pick.ros.messages.stamps import stamp_ns
 from stereo_pick.ros.process import prepare_process, start_ros
@@ -31,7 +32,7 @@ _AWAITED = [
     CORRESPONDENCES.name,
 ]
 _CAPTURE = "stereo_pick: capture"
-_CHAIN = {_CAPTURE, "stereo_pick: rectification", "stereo_pick: correspondence", "stereo_pick: triangulation"}
+_CHAIN = {_CAPTURE, *(f"stereo_pick: {name}" for name in DOWNSTREAM)}
 
 
 class Monitor:

@@ -168,6 +168,12 @@ def test_patterns_need_no_quotes(images: Path, capsys: pytest.CaptureFixture[str
     assert "verdict" in capsys.readouterr().out
 
 
+def test_a_file_that_is_named_like_a_pattern_is_itself(tmp_path: Path) -> None:
+    (tmp_path / "left[1].png").touch()
+    (tmp_path / "left1.png").touch()
+    assert find_files([str(tmp_path / "left[1].png")], "--left") == [tmp_path / "left[1].png"]
+
+
 @pytest.mark.parametrize(
     ("left", "right", "agrees"),
     [

@@ -97,8 +97,10 @@ def test_what_is_not_given_is_left_to_params_file(monkeypatch: pytest.MonkeyPatc
     assert nodes["capture_node"] == {"source": "my_bag", "rate": 1.0, "loop": True, "use_sim_time": True}
     assert nodes["correspondence_node"] == {"method": "ssd", "use_sim_time": True}
     assert list(_launched(monkeypatch, source="my_bag", one_process="True")) == ["stereo_pick_node"]
-    with pytest.raises(ValueError, match="'yes' must be true or false"):
+    with pytest.raises(ValueError, match="loop:=yes of the launch file: 'yes' must be true or false"):
         _launched(monkeypatch, source="my_bag", loop="yes")
+    with pytest.raises(ValueError, match="rate:=fast of the launch file: "):
+        _launched(monkeypatch, source="my_bag", rate="fast")
 
 
 def test_the_calibration_node_is_launched_with_its_own_defaults() -> None:
