@@ -69,10 +69,15 @@ class Chain:
         """What a node has printed so far."""
         return self._log_file(node).read_text(encoding="utf-8", errors="replace").strip()
 
-    def check(self) -> None:
-        """Raise SourceError, with what it printed last, where a node ended with an error."""
+    @property
+    def runs(self) -> bool:
+        """Whether any node runs yet."""
+        return any(process.poll() is None for process in self._processes.values())
+
+    def check(self, but: str = "") -> None:
+        """Raise SourceError, with what it printed last, where a node, but one perhaps, ended with an error."""
         for node in self._processes:
-            if self.status(node):
+            if node != but and self.status(node):
                 last = self.log(node).splitlines()[-1:] or ["no message"]
                 raise SourceError(last[0].removeprefix("stereo-pick: error: "))
 

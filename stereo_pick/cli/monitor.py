@@ -81,6 +81,11 @@ class Monitor:
         taken = [name for name, count in own.items() if self._node.count_publishers(name) > count]
         return self._node.resolve_topic_name(taken[0]) if taken else None
 
+    @property
+    def is_behind(self) -> bool:
+        """Whether poses of captured pairs are still to come, as far as no node has told of an error."""
+        return not self.errors and self.count < (self.captured or 0)
+
     def close(self) -> None:
         """Leave the ROS graph."""
         self._executor.remove_node(self._node)

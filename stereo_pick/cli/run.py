@@ -32,6 +32,7 @@ _START_S = 20.0
 _SETTLE_S = 0.5
 _DISCOVERED_S = 4.0  # others in the domain: it takes 3 s now and then
 _QUIET_S = 1.0
+_LATE_S = 10.0  # for what has not come of pairs that were captured, and that no node complains of
 _SPIN_S = 0.05
 
 _DESCRIPTION = """\
@@ -179,12 +180,15 @@ def _check_alone(monitor: Monitor, own_poses: int) -> None:
 
 
 def _follow(chain: Chain, monitor: Monitor, last: str, stop: threading.Event) -> None:
-    """Receive until the node `last` has ended and nothing more comes."""
+    """Receive until the node `last` has ended, if need be with an error, and nothing more comes."""
     while not stop.is_set() and chain.status(last) is None:
+        chain.check(but=last)
         monitor.spin(_SPIN_S)
-        chain.check()
     quiet_since, count = time.monotonic(), monitor.count
-    while not stop.is_set() and time.monotonic() - quiet_since < _QUIET_S:
+    while not stop.is_set():
+        patience_s = _LATE_S if monitor.is_behind and chain.runs else _QUIET_S
+        if time.monotonic() - quiet_since > patience_s:
+            return
         monitor.spin(_SPIN_S)
         if monitor.count > count:
             quiet_since, count = time.monotonic(), monitor.count
