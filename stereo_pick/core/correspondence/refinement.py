@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Floats, Ints
 from stereo_pick.core.correspondence.window import Grey
 
 _MAX_ITERATIONS = 8
@@ -18,6 +18,7 @@ _GAIN_SIGMA = 0.5
 _OFFSET_SIGMA_DN = 50.0
 _CHUNK_SAMPLES = 1 << 17  # that fit into a cache
 _TINY = 1e-6
+_SQUARES = np.array([[0, 1, 2], [1, 3, 4], [2, 4, 5]])  # 1, i and j multiplied with each other, among the monomials
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,7 @@ class _Fit:
         self.j = across[:, None] + shift[:, 1, None, None]
         self.rows = points_px[:, 1, None, None].astype(np.float32) + self.j
         wide = _sample(one, points_px[:, 0, None, None].astype(np.float32) + self.i, self.rows)
+        self.shift_px, self.monomials = shift, _monomials(along[1:-1], across)
         self.a, self.gradient_a = wide[..., 1:-1], _slope(wide)
         self.free_gain = free_gain
         if free_gain:
@@ -102,16 +104,15 @@ class _Fit:
             moving = moving[np.abs(step[:, 0]) >= _CONVERGED_PX]
             if not len(moving):
                 break
-        return self.state[:, 0], *_System(self, np.arange(len(self.state))).quality()
+        return self.state[:, 0], *_System(self, slice(None)).quality()
 
 
 class _System:
-    """The linearised least squares of some of the windows: `misfit` (N, S) by `jacobian` (N, P, S).
-
-    Unknowns: place, slant along and across the row; gain and offset, where they are free.
+    """The linearised least squares of some of the windows: `misfit` (N, h, w) by P unknowns: place, slant along and
+    across the row; gain and offset, where they are free.
     """
 
-    def __init__(self, fit: _Fit, some: np.ndarray) -> None:
+    def __init__(self, fit: _Fit, some: Ints | slice) -> None:
         column, along, across = (fit.state[some, k, None, None].astype(np.float32) for k in range(3))
         i, j, a = fit.i[some], fit.j[some], fit.a[some]
         wide = _sample(fit.other, column + i * (1 + along) + j * across, fit.rows[some])
@@ -122,23 +123,33 @@ class _System:
             b = b * gain
         else:
             gain = np.ones((len(a), 1, 1), np.float32)
-        self.gradients = fit.gradient_a[some] / (1 + along), _slope(wide) * gain / (1 + along)
-        gradient = (self.gradients[0] + self.gradients[1]) / 2
-        unknowns = [gradient, gradient * i[..., 1:-1], gradient * j]
-        sigmas = [np.inf, _SLANT_SIGMA, _SLANT_SIGMA]
-        if fit.free_gain:
-            unknowns += [b, np.ones_like(b)]
-            sigmas += [_GAIN_SIGMA, _OFFSET_SIGMA_DN]
-        self.jacobian = np.stack([each.reshape(len(a), -1) for each in unknowns], axis=1)
-        self.misfit = (a - b).reshape(len(a), -1)
-        self.a = a
-        variance = (self.misfit**2).mean(axis=1)
-        prior = variance[:, None] / np.square(sigmas) + _TINY
-        self.normal = (self.jacobian @ self.jacobian.transpose(0, 2, 1)).astype(np.float64)
-        self.normal += prior[:, None] * np.eye(len(sigmas))
-        self.solution = np.linalg.solve(self.normal, (self.jacobian @ self.misfit[..., None]).astype(np.float64))[
-            ..., 0
-        ]
+        self.gradients = fit.gradient_a[some] / (1 + along), _slope(wide) * (gain / (1 + along))
+        self.gradient, self.b = (self.gradients[0] + self.gradients[1]) / 2, b
+        self.a, self.misfit = a, a - b
+        self.i, self.j = i[..., 1:-1], j
+        sigmas = [np.inf, _SLANT_SIGMA, _SLANT_SIGMA] + [_GAIN_SIGMA, _OFFSET_SIGMA_DN] * fit.free_gain
+        products, right = self._products(fit.monomials, len(sigmas))
+        about_point = _shifted(fit.shift_px[some], len(sigmas))
+        prior = np.square(self.misfit).mean(axis=(1, 2))[:, None] / np.square(sigmas) + _TINY
+        self.normal = about_point.transpose(0, 2, 1) @ products @ about_point + prior[:, None] * np.eye(len(sigmas))
+        self.solution = np.linalg.solve(self.normal, about_point.transpose(0, 2, 1) @ right[..., None])[..., 0]
+
+    def _products(self, monomials: Grey, unknowns: int) -> tuple[Floats, Floats]:
+        """The unknowns' columns multiplied with each other (N, P, P), and with the misfits (N, P), of windows that lie
+        around their points: what holds a slant is a sum of squared gradients times places in the window, which are the
+        same for all."""
+        gradient, b, misfit = (each.reshape(len(each), -1) for each in (self.gradient, self.b, self.misfit))
+        linear = monomials[:, :3]
+        products, right = np.empty((len(b), unknowns, unknowns)), np.empty((len(b), unknowns))
+        products[:, :3, :3] = (gradient * gradient @ monomials)[:, _SQUARES]
+        right[:, :3] = gradient * misfit @ linear
+        if unknowns > 3:
+            products[:, 3, :3], products[:, 4, :3] = gradient * b @ linear, gradient @ linear
+            products[:, :3, 3:] = products[:, 3:, :3].transpose(0, 2, 1)
+            products[:, 3, 3], products[:, 4, 4] = (b * b).sum(axis=1), b.shape[1]
+            products[:, 3, 4] = products[:, 4, 3] = b.sum(axis=1)
+            right[:, 3], right[:, 4] = (b * misfit).sum(axis=1), misfit.sum(axis=1)
+        return products, right
 
     def step(self) -> Floats:
         """What to add to the state (N, 3)."""
@@ -150,15 +161,31 @@ class _System:
         Information about the place is what the other unknowns leave of it (their Schur complement), less the
         part of the squared gradient that only one of the windows has: that is noise, and no texture.
         """
-        count, samples = self.jacobian.shape[1:]
-        left = self.misfit - np.einsum("nps,np->ns", self.jacobian, self.solution)
-        squares = (left**2).sum(axis=1).astype(np.float64)
+        solution = self.solution[..., None, None].astype(np.float32)
+        left = self.misfit - self.gradient * (solution[:, 0] + solution[:, 1] * self.i + solution[:, 2] * self.j)
+        if len(solution[0]) > 3:
+            left -= solution[:, 3] * self.b + solution[:, 4]
+        squares = (left**2).sum(axis=(1, 2)).astype(np.float64)
         noise_share = ((self.gradients[0] - self.gradients[1]) ** 2).sum(axis=(1, 2)) / 4
         information = 1 / np.linalg.inv(self.normal)[:, 0, 0] - noise_share
-        variance = squares / (samples - count)
+        variance = squares / (left[0].size - len(solution[0]))
         sigma_px = np.sqrt(np.divide(variance, information, out=np.full_like(variance, np.inf), where=information > 0))
-        variation = (self.a - _mean(self.a)).reshape(len(self.a), -1)
-        return sigma_px, 1 - squares / ((variation**2).sum(axis=1) + _TINY)
+        variation = np.square(self.a - _mean(self.a)).sum(axis=(1, 2))
+        return sigma_px, 1 - squares / (variation + _TINY)
+
+
+def _monomials(along: Grey, across: Grey) -> Grey:
+    """1, i, j, i i, i j, j j (S, 6) of the places i (w,) along and j (h,) across the rows of a window."""
+    j, i = (each.ravel() for each in np.meshgrid(across, along, indexing="ij"))
+    return np.stack([np.ones_like(i), i, j, i * i, i * j, j * j], axis=1)
+
+
+def _shifted(shift_px: Grey, unknowns: int) -> Floats:
+    """From the unknowns of points to those of the middles of windows (N, P, P) that lie beside them by shifts (N, 2):
+    there a slant has moved the place as well."""
+    found = np.tile(np.eye(unknowns), (len(shift_px), 1, 1))
+    found[:, 0, 1:3] = shift_px
+    return found
 
 
 def _mean(windows: Grey) -> Grey:
@@ -173,11 +200,16 @@ def _sample(image: Grey, x_px: Grey, y_px: Grey) -> Grey:
     """Bilinear grey levels at places that broadcast to (N, h, w); beyond the image those of its edge."""
     height, width = image.shape
     x, y = np.clip(x_px, 0, np.float32(width - 1.01)), np.clip(y_px, 0, np.float32(height - 1.01))
-    column, row = x.astype(np.int32), y.astype(np.int32)
+    column, row = x.astype(np.intp), y.astype(np.intp)
     right, down = x - column.astype(np.float32), y - row.astype(np.float32)
     flat, here = image.ravel(), row * width + column
-    upper = flat[here] * (1 - right) + flat[here + 1] * right
+    upper = _between(flat, here, right)
     if not down.any():
-        return np.asarray(upper)
-    here += width
-    return np.asarray(upper * (1 - down) + (flat[here] * (1 - right) + flat[here + 1] * right) * down)
+        return upper
+    return np.asarray(upper + (_between(flat, here + width, right) - upper) * down)
+
+
+def _between(flat: Grey, here: Ints, share: Grey) -> Grey:
+    """Values of an image's pixels, one row after the other, with that share of the next pixel's."""
+    first = flat.take(here)
+    return np.asarray(first + (flat.take(here + 1) - first) * share)
