@@ -7,6 +7,7 @@ BIN := .venv/bin
 # Three tests at a time keep two cores busy, since nodes wait for each other; threads beside them would only get in
 # the way: a quarter of the time.
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OPENCV_FOR_THREADS_NUM=1
+PYTEST := $(CLEAN_ENV) $(ONE_THREAD) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest -n 3 --dist worksteal
 # Scenes of each family in `make bench`; the docs have thirty.
 SEEDS ?= 3
 UV := $(CLEAN_ENV) UV_NO_CONFIG=1 VIRTUAL_ENV=.venv $(BIN)/uv
@@ -14,10 +15,10 @@ PIP := $(CLEAN_ENV) $(BIN)/python -m pip --disable-pip-version-check
 EDITABLE := --no-deps --no-build-isolation --editable .
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test check bench docs lock clean
+.PHONY: help setup demo test test-all check bench docs lock clean
 
 help: ## list the targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-7s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
 
 setup: .venv/package.stamp ## make .venv: Python, ROS 2 and the tools (PYTHON=python3.12 chooses another Python)
 
@@ -25,7 +26,10 @@ demo: setup ## object poses of the demo bag, into demo_output
 	$(CLEAN_ENV) $(BIN)/stereo-pick demo --output demo_output
 
 test: setup ## run the tests
-	$(CLEAN_ENV) $(ONE_THREAD) ROS_PYTHON_CHECK_FIELDS=1 $(BIN)/python -m pytest -n 3 --dist worksteal
+	$(PYTEST)
+
+test-all: setup ## run them on more scenes, too
+	$(PYTEST) --all
 
 check: setup ## lint, format and types
 	$(CLEAN_ENV) $(BIN)/ruff check

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from family_scenes import found
+from family_scenes import first_of, found
 from rendered_solids import PLACED, RIG, rectified, solid_of
 from rendering import Cylinder, Scene
 
@@ -17,7 +17,7 @@ from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.hypotheses import Images
 
-NOT_WHAT_OBJECTS_HINT_AT = [("labels", 13, 0), ("labels", 13, 1), ("labels", 23, 1)]
+NOT_WHAT_OBJECTS_HINT_AT = [("labels", 23, 1), ("labels", 13, 0), ("labels", 13, 1)]
 
 
 @pytest.mark.parametrize(("thick_m", "tells"), [(0.03, True), (0.01, False)])
@@ -42,7 +42,8 @@ def test_a_rod_does_not_as_it_may_be_light_that_mirrors_in_a_body(
 
 
 @pytest.mark.parametrize(
-    ("family", "seed", "which"), [("planks_and_prints", 4, 1), ("glossy", 15, 1), *NOT_WHAT_OBJECTS_HINT_AT]
+    ("family", "seed", "which"),
+    [*first_of(*NOT_WHAT_OBJECTS_HINT_AT), *first_of(("glossy", 15, 1), ("planks_and_prints", 4, 1))],
 )
 def test_shadows_and_grain_show_it_where_the_objects_do_not_agree(family: str, seed: int, which: int) -> None:
     assert {each.which: each.distance_m for each in found(family, seed).found}[which] < 5e-4
@@ -54,7 +55,9 @@ def test_solids_agree_on_it_that_do_not_by_their_outlines_alone() -> None:
     assert len(result.missed) == 0 and max(each.distance_m for each in result.found) < 1e-3
 
 
-@pytest.mark.parametrize(("family", "seed", "which"), [("tubes", 7, 1), ("tubes", 7, 3), ("textured_parts", 27, 3)])
+@pytest.mark.parametrize(
+    ("family", "seed", "which"), first_of(("textured_parts", 27, 3), ("tubes", 7, 1), ("tubes", 7, 3))
+)
 def test_one_lets_suppose_it_and_all_edges_of_another_bear_that_out(family: str, seed: int, which: int) -> None:
-    """Without a table the second of these was 3 mm off; the others were refused."""
+    """Without a table the last of these was 3 mm off; the others were refused."""
     assert {each.which: each.distance_m for each in found(family, seed).found}[which] < 5e-4

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from families import staged
-from family_scenes import found
+from family_scenes import first_of, found
 from outlines import disc
 from rendering import Box, Carton, Cylinder, Scene, Solid, Sphere, lamp_at, render
 from rendering.rigs import table_before
@@ -104,7 +104,7 @@ def test_a_shadow_beside_a_bright_part_is_no_part_of_unknown_shape() -> None:
     assert len(result.poses) == 2 and off_m(result, truth.centres_m).max() < 1e-3
 
 
-@pytest.mark.parametrize("seed", [4, 5])
+@pytest.mark.parametrize("seed", first_of(4, 5))
 def test_dark_parts_that_are_not_found_are_spoken_of_where_others_are(seed: int) -> None:
     """Beside bright parts that were the rule one was lost without a word."""
     result = found("bright_and_dark", seed)

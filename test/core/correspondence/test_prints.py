@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 import pytest
-from family_scenes import found
+from family_scenes import first_of, found, more
 from rendering import Box, Cylinder, Label, Paint, Planks, Scene, Solid, Sphere, render
 from rendering.rigs import table_before
 from rigs import RIGS
@@ -33,6 +34,7 @@ LABELS = {
         for x, y in ((-0.08, 0.04), (0.08, 0.02), (0, -0.05), (0.02, 0.06))
     ],
 }
+ALONE, SEVERAL = ("a bar", "a small bar", "a round one"), ("bars of a size", "round ones of a size")
 PARTS = (Cylinder(-0.05, -0.03, (0.04, 0.04, 0.05)), Box(0.06, -0.04, (0.05, 0.036, 0.04), yaw_rad=0.4))
 
 
@@ -43,8 +45,13 @@ def seen(
     return Pipeline(RIG, Steps(method=Feature(**options))).run(render(RIG, scene, seed=2))
 
 
-@pytest.mark.parametrize("elevation_deg", [40, 65, 78, 88])
-@pytest.mark.parametrize("name", LABELS)
+@pytest.mark.parametrize(
+    ("name", "elevation_deg"),
+    [
+        *product(ALONE, (40, 65, 78, 88)),
+        *(each for name in SEVERAL for each in first_of(*product([name], (65, 40, 78, 88)))),
+    ],
+)
 def test_labels_on_a_table_are_refused(name: str, elevation_deg: float) -> None:
     result = seen(elevation_deg, (), LABELS[name])
     assert len(result.poses) == 0
@@ -52,13 +59,13 @@ def test_labels_on_a_table_are_refused(name: str, elevation_deg: float) -> None:
     assert sum(reasons.values()) >= len(LABELS[name]) and set(reasons) <= {"flat", "half_lit", "other_shape"}
 
 
-@pytest.mark.parametrize("elevation_deg", [65, 85])
+@pytest.mark.parametrize("elevation_deg", first_of(65, 85))
 def test_labels_on_planks_are_refused(elevation_deg: float) -> None:
     result = seen(elevation_deg, (), [Planks(contrast=0.05), *LABELS["round ones of a size"]])
     assert len(result.poses) == 0 and len(result.poses.refused) >= len(LABELS["round ones of a size"])
 
 
-@pytest.mark.parametrize("elevation_deg", [50, 85])
+@pytest.mark.parametrize("elevation_deg", first_of(50, 85))
 def test_among_labels_the_parts_are_found(elevation_deg: float) -> None:
     labels = [Label(x, 0.05, 0.02, 0.015, 0.4, 0.7, is_round=x > 0) for x in (-0.06, 0.0, 0.06)]
     result = seen(elevation_deg, PARTS, labels)
@@ -196,6 +203,7 @@ def test_outlines_without_a_row_in_common_are_left_to_others() -> None:
     assert prints_among([row], RIG, None, False) == prints_among([row], RIG, below(ball(), 0.02), True) == []
 
 
+@more
 def test_a_carton_that_is_as_flat_as_the_planks_below_it_is_no_box() -> None:
     """It was one, 18 mm high, that lacked its creases."""
     result = found("planks_and_prints", 97)
