@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from functools import cache, lru_cache
-from typing import Any
 
-import pytest
 from families import staged
 from family_scoring import SceneScore, score
 from rendering import Truth
@@ -13,13 +11,6 @@ from rendering import Truth
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.rig import StereoRig
-
-more = pytest.mark.more
-
-
-def first_of(one: Any, *others: Any) -> list[Any]:
-    """Arguments of a test: `make test` runs the first, `make test-all` the others that show the same, too."""
-    return [one, *(pytest.param(*(each if isinstance(each, tuple) else (each,)), marks=more) for each in others)]
 
 
 @cache

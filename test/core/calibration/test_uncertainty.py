@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from family_scenes import first_of
+from marks import first_of
 from simulated_views import BOARD, RIG, SIZE_PX, USUAL_D, make_views, rig_with, triangulated
 
 from stereo_pick.core.calibration.boards import Chessboard

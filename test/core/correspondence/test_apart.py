@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from family_scenes import first_of
+from marks import first_of
 from outlines import seen
 from rendered_solids import half_lit_scene
 from rendering import Cylinder, Scene, render

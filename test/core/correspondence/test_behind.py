@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from families import staged
-from family_scenes import first_of
 from family_scoring import score
+from marks import first_of
 
 from stereo_pick.core.pipeline import Pipeline, Steps
 

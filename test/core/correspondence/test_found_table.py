@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from family_scenes import first_of, found
+from family_scenes import found
+from marks import first_of
 from rendered_solids import PLACED, RIG, rectified, solid_of
 from rendering import Cylinder, Scene
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from family_scenes import first_of, found, more
+from family_scenes import found
+from marks import first_of, more
 from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified, solid_of
 from rendering import Scene, Solid
 

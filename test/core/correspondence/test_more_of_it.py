@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from family_scenes import first_of
+from marks import first_of
 from outlines import disc
 from rendered_solids import PLACED, RIG, rectified
 from rendering import Box, Cylinder, Scene

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from families import staged
-from family_scenes import first_of
+from marks import first_of
 from rendering import Box, Cylinder, Scene, Sphere, render
 from rendering.rigs import table_before
 from rigs import RIGS, rotation

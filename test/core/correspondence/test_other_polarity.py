@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 from families import staged
-from family_scenes import first_of, found
+from family_scenes import found
+from marks import first_of
 from outlines import disc
 from rendering import Box, Carton, Cylinder, Scene, Solid, Sphere, lamp_at, render
 from rendering.rigs import table_before

@@ -7,7 +7,8 @@ from itertools import product
 
 import numpy as np
 import pytest
-from family_scenes import first_of, found, more
+from family_scenes import found
+from marks import first_of, more
 from rendering import Box, Cylinder, Label, Paint, Planks, Scene, Solid, Sphere, render
 from rendering.rigs import table_before
 from rigs import RIGS

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from families import staged
-from family_scenes import first_of, found, more
+from family_scenes import found
 from family_scoring import score
+from marks import first_of, more
 from rendered_solids import PARTS, PLACED, RIG, rectified
 from rendering import Box, Cylinder, Scene, Sphere
 from rendering.rigs import BENCH_RIGS, DISTANCES_M, camera, looking_at, table_before

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from families import staged
-from family_scenes import first_of
+from marks import first_of
 
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.pipeline import Pipeline, Steps
