@@ -87,7 +87,7 @@ class RawPairs:
             return Status(self.missing_level(), self._why_no_pair())
         silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in self._silent()]
         if not silent:
-            return Status(ERROR, self._fault()) if self._faults else self._mixed() or self._many_unpaired()
+            return Status(ERROR, self._fault()) if self._faults else self._node.mixed() or self._many_unpaired()
         level = WARN if len(silent) == len(SIDES) else ERROR
         message = f"no image on {' and '.join(silent)} any more: is the camera running?"
         return Status(level, message + self._if_published(silent))
@@ -115,19 +115,6 @@ class RawPairs:
         """What else may be wrong with topics on which nothing arrives although somebody publishes them."""
         published = all(self._node.count_publishers(topic) > 0 for topic in topics)
         return f" It is published: if the camera does run, {_LOST_ON_THE_WAY}" if published else ""
-
-    def _mixed(self) -> Status | None:
-        """The warning where images of several cameras come on one topic."""
-        for side in SIDES:
-            topic = self._node.resolve_topic_name(IMAGE_RAW[side].name)
-            count = self._node.count_publishers(topic)
-            if count > 1:
-                return Status(
-                    WARN,
-                    f"{count} publishers on {topic}: images of different cameras would be taken for those of one; end "
-                    "all but one (what was killed is forgotten after some 20 s)",
-                )
-        return None
 
     def _many_unpaired(self) -> Status | None:
         """The warning where most of the last images found no partner."""

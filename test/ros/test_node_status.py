@@ -38,6 +38,7 @@ from stereo_pick.ros.topics import (
     IMAGE_RECT,
     OBJECT_POSES,
     SIDES,
+    Topic,
 )
 
 START_NS = 1_760_000_000_000_000_000
@@ -144,10 +145,12 @@ def test_rectification_warns_where_most_images_have_no_partner(graph: Graph) -> 
     cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it is well again")
 
 
-def test_rectification_warns_of_two_cameras_on_one_topic_until_one_is_gone(graph: Graph) -> None:
+@pytest.mark.parametrize("topic", [IMAGE_RAW["right"], CAMERA_INFO["left"], IMAGE_RECT["left"]])
+def test_rectification_warns_of_two_publishers_of_one_topic_until_one_is_gone(graph: Graph, topic: Topic) -> None:
+    """Of two camera_info the last one won, and all positions were those of another calibration."""
     graph.host(RectificationNode(graph.context))
-    cameras, other = Cameras(graph), graph.publisher(IMAGE_RAW["right"])
-    two = told(graph, "rectification", WARN, "2 publishers on /right/image_raw", "end all but one")
+    cameras, other = Cameras(graph), graph.publisher(topic)
+    two = told(graph, "rectification", WARN, f"2 publishers on /{topic.name}", "end all but one")
     cameras.until(cameras.pair, two, "both are told of")
     graph.node.destroy_publisher(other)
     cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "one is left")
