@@ -14,6 +14,7 @@ from stereo_pick.core.errors import ImageError
 from stereo_pick.core.images import FULL_SCALE_16, pixels
 from stereo_pick.core.pairing import MOST_OFFSET_S, Pair, PairingCounts, Side, StampOrder, StampPairer
 from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.ros.frozen import frozen_side
 from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
 from stereo_pick.ros.messages.images import buffer_of
 from stereo_pick.ros.messages.stamps import stamp_ns
@@ -57,6 +58,7 @@ class RawPairs:
         self._last_ns: dict[str, int] = {}
         self._order = StampOrder()
         self._faults: dict[str, str] = {}
+        self._before: Pair[Image] | None = None
         self.restart(0.0)
 
     def listen(self) -> None:
@@ -79,7 +81,7 @@ class RawPairs:
     def flush(self) -> None:
         """Call back with what still waits for a better partner: nothing more comes."""
         for pair in self._pairer.flush():
-            self._paired(pair)
+            self._pass_on(pair)
 
     def trouble(self) -> Status | None:
         """What is missing or wrong with the last images, if anything is."""
@@ -148,7 +150,18 @@ class RawPairs:
         pairs = self._pairer.add(side, taken_ns, message)
         self._recent.extend([False] * (self._dropped() - dropped) + [True] * 2 * len(pairs))
         for pair in pairs:
-            self._paired(pair)
+            self._pass_on(pair)
+
+    def _pass_on(self, pair: Pair[Image]) -> None:
+        """Call back with the pair, unless one of its images was taken earlier than the other one."""
+        frozen, self._before = frozen_side(pair, self._before), pair
+        if frozen is not None:
+            topic = self._node.resolve_topic_name(IMAGE_RAW[frozen].name)
+            raise ImageError(
+                f"{topic} repeats the image before to the last bit, while the other camera's changes: does the camera "
+                "hang? Restart it, and its driver"
+            )
+        self._paired(pair)
 
     def _dropped(self) -> int:
         return self.counts.dropped_left + self.counts.dropped_right

@@ -18,6 +18,7 @@ import stereo_pick.ros.raw_pairs as raw_pairs_module
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
+from stereo_pick.core.pairing import Side
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.transform import Transform
@@ -170,6 +171,36 @@ def test_rectification_warns_of_images_that_were_rectified_before() -> None:
         unchanged = told(other, "rectification", OK, "pairs rectified")
         cameras.until(cameras.pair, unchanged, "of a driver that rectifies, camera_info is of rectified images")
         other.close()
+
+
+@pytest.mark.parametrize("frozen", SIDES)
+def test_rectification_pairs_no_image_of_a_camera_that_hangs(graph: Graph, frozen: Side) -> None:
+    """Its driver sends the last one again and again: parts that moved on would be located where they never were."""
+    graph.host(RectificationNode(graph.context))
+    cameras, rectified = Cameras(graph), graph.listen(IMAGE_RECT["left"])
+    noise = np.random.default_rng(0)
+
+    def new() -> Any:
+        return noise.integers(80, 100, GREY.shape, np.uint8)
+
+    cameras.until(lambda: cameras.pair(new(), new()), lambda: rectified, "both cameras run")
+    still = new()
+
+    def hang() -> None:
+        cameras.pair(*(still if side == frozen else new() for side in SIDES))
+
+    hangs = told(
+        graph, "rectification", ERROR, f"/{frozen}/image_raw repeats the image before", "does the camera hang?"
+    )
+    cameras.until(hang, hangs, "it is named")
+    before = len(rectified)
+    for _ in range(3):
+        hang()
+        graph.spin(0.1)
+    assert len(rectified) == before
+    cameras.until(
+        lambda: cameras.pair(still, still), lambda: len(rectified) > before + 1, "a still simulation is paired"
+    )
 
 
 def test_rectification_names_a_remapped_topic(graph: Graph) -> None:
