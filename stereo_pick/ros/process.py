@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import shlex
 import signal
 import sys
 import threading
@@ -14,6 +15,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.ros.misspelled import warn_of_misspelled
@@ -70,8 +72,11 @@ def prepare_process() -> None:
 
 
 def start_ros(context: Context, args: Sequence[str] | None) -> None:
-    """Start ROS in this context, without its signal handlers; raises ParameterError, with the reason, if it fails."""
-    given = list(args) if args is not None else None
+    """Start ROS in this context, without its signal handlers.
+
+    Raises ParameterError, with the reason, if it fails, and on arguments that ROS passes over.
+    """
+    given = list(args) if args is not None else sys.argv[1:]
     try:
         rclpy.init(args=given, context=context, signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
@@ -80,6 +85,12 @@ def start_ros(context: Context, args: Sequence[str] | None) -> None:
             f"ROS 2 does not start ({reason}): correct what stands after --ros-args, or the environment "
             "(ROS_DOMAIN_ID, ROS_LOG_DIR)"
         ) from None
+    passed_over = remove_ros_args(given)
+    if passed_over:
+        raise ParameterError(
+            f"no node takes the arguments {shlex.join(passed_over)}: parameters, their files and remappings stand "
+            "after --ros-args, as in --ros-args -p name:=value"
+        )
 
 
 def _spin(nodes: Sequence[StepNode], context: Context, stop: threading.Event) -> None:
