@@ -21,6 +21,7 @@ from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.ros.misspelled import warn_of_misspelled
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.started_by import is_orphaned
+from stereo_pick.ros.unread_files import warn_of_unread
 
 _SPIN_S = 0.1
 _PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
@@ -45,6 +46,7 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
         for factory in factories:
             nodes.append(factory(context))
         warn_of_misspelled(nodes)
+        warn_of_unread(nodes, sys.argv if args is None else args)
         _spin(nodes, context, stop)
         return 0
     except StereoPickError as error:
