@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -10,13 +11,14 @@ from typing import Any
 from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from stereo_pick.core.calibration.fingerprint import calibration_hash
-from stereo_pick.core.errors import StereoPickError
+from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.params import Parameter
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status, diagnostics_message, kind
@@ -64,18 +66,19 @@ class StepNode(Node):
         return Status(OK, "running")
 
     def advertise(self, topic: Topic) -> Publisher:
-        """Create a publisher whose QoS parameters can override."""
-        options = QoSOverridingOptions.with_default_policies()
-        self._take_down(topic)
-        return self.create_publisher(topic.type, topic.name, _own(topic.qos), qos_overriding_options=options)
+        """Create a publisher whose QoS parameters can override; raises ParameterError where theirs is none."""
+        with self._overridden(topic, "publisher") as options:
+            return self.create_publisher(topic.type, topic.name, _own(topic.qos), qos_overriding_options=options)
 
     def listen(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Create a subscription whose QoS parameters can override; errors of the callback become the node's status."""
-        options = QoSOverridingOptions.with_default_policies()
-        self._take_down(topic)
-        self.create_subscription(
-            topic.type, topic.name, self._guarded(callback), _own(topic.qos), qos_overriding_options=options
-        )
+        """Create a subscription whose QoS parameters can override; errors of the callback become the node's status.
+
+        Raises ParameterError where the parameters' QoS is none.
+        """
+        with self._overridden(topic, "subscription") as options:
+            self.create_subscription(
+                topic.type, topic.name, self._guarded(callback), _own(topic.qos), qos_overriding_options=options
+            )
 
     def report(self) -> None:
         """Publish the node's status, and log it where it is new and not OK."""
@@ -113,9 +116,19 @@ class StepNode(Node):
         self.report()
         self._diagnostics.wait_for_all_acked(Duration(seconds=_HEARD_S))
 
-    def _take_down(self, topic: Topic) -> None:
+    @contextmanager
+    def _overridden(self, topic: Topic, end: str) -> Iterator[QoSOverridingOptions]:
+        """Let parameters override the QoS of one of the node's topics."""
+        name = self.resolve_topic_name(topic.name)
         if topic not in _OF_MANY:
-            self._topics.append(self.resolve_topic_name(topic.name))
+            self._topics.append(name)
+        try:
+            yield QoSOverridingOptions.with_default_policies()
+        except (RuntimeError, InvalidParameterTypeException) as error:
+            raise ParameterError(
+                f"correct the parameters qos_overrides.{name}.{end}.*: reliability is reliable or best_effort, history "
+                f"keep_last or keep_all, depth a number from 1: {' '.join(str(error).split())}"
+            ) from None
 
     def _reconfigure(self) -> None:
         self.apply(self.configure(self.parameters.values))

@@ -189,6 +189,15 @@ def _plain(graph: Graph, name: str) -> Any:
     return rclpy.create_node(name, context=graph.context, use_global_arguments=False)
 
 
+@pytest.mark.parametrize("value", ["reliability:=relable", "reliability:=true", "depth:=-3"])
+def test_a_bad_quality_of_service_is_refused_by_its_parameter(value: str) -> None:
+    with reserved_domain() as domain:
+        graph = Graph(domain, ["-p", f"qos_overrides./left/image_raw.subscription.{value}"])
+        with pytest.raises(ParameterError, match=r"qos_overrides\./left/image_raw\.subscription\.\*: reliability is"):
+            RectificationNode(graph.context)
+        graph.close()
+
+
 @pytest.mark.parametrize(
     ("section", "meant"),
     [
