@@ -74,6 +74,12 @@ class TriangulationNode(JoinedNode):
                 "camera_info: positions' covariance is without the calibration's; take both from one calibration"
             )
             return Status(WARN, message, values)
+        if not self._frame_id or self._frame_id.startswith("/"):
+            message = (
+                f"frame_id of the poses is {self._frame_id!r}, which tf2 takes for none: let the left camera's driver, "
+                "or the hand-eye file, name a frame, without a leading /"
+            )
+            return Status(WARN, message, values)
         return Status(OK, f"{len(self._last)} objects located, {len(self._last.refused)} refused", values)
 
     def process(self, messages: dict[str, Any], rig: StereoRig) -> None:
@@ -83,10 +89,10 @@ class TriangulationNode(JoinedNode):
         self._positioning.check(rig, frame_id)
         located = self.steps.locate(correspondences_of(message), rig, stamp_ns(message.header.stamp))
         self._last = self._positioning.place(located, rig)
-        frame_id = self._last.frame_id or frame_id
-        self._objects.publish(objects_message(self._last, frame_id))
-        self._poses.publish(pose_array_message(self._last, frame_id))
-        self._markers.publish(markers_message(self._last, frame_id))
+        self._frame_id = self._last.frame_id or frame_id
+        self._objects.publish(objects_message(self._last, self._frame_id))
+        self._poses.publish(pose_array_message(self._last, self._frame_id))
+        self._markers.publish(markers_message(self._last, self._frame_id))
 
 
 def _positioning(options: TriangulationOptions) -> Positioning:
