@@ -6,6 +6,8 @@ import json
 import os
 import re
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -380,3 +382,13 @@ def test_a_wrong_command_line_ends_with_status_2() -> None:
 def test_what_is_refused_ends_the_process_with_status_1_and_one_line(arguments: tuple[str, ...]) -> None:
     done = stereo_pick(*arguments)
     assert "nothing" in done.error and done.stdout == ""
+
+
+def test_a_full_disk_is_one_line_and_status_1(tmp_path: Path) -> None:
+    """What fits into Python's buffer fails at the very end."""
+    board = ("board", "--board", "9x6", "--square", "0.02", "--output", str(tmp_path / "board.svg"))
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "stereo_pick.cli.main", *board]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=150, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "stereo-pick: error: standard output: No space left on device\n"
