@@ -119,8 +119,10 @@ class RawPairs:
         return f" It is published: if the camera does run, {_LOST_ON_THE_WAY}" if published else ""
 
     def _many_unpaired(self) -> Status | None:
-        """The warning where most of the last images found no partner."""
+        """What to say where most of the last images found no partner."""
         unpaired = self._recent.count(False)
+        if unpaired == _RECENT and self._pairer.is_apart:
+            return Status(ERROR, self._pairer.explain_offset())
         if 2 * unpaired <= _RECENT:
             return None
         return Status(

@@ -253,9 +253,12 @@ def test_rectification_names_the_camera_that_has_gone_and_rejoices_when_it_is_ba
     cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it works again")
 
 
-def test_rectification_says_by_how_much_stamps_differ(graph: Graph) -> None:
+@pytest.mark.parametrize("since", ["the start", "a restart"])
+def test_rectification_says_by_how_much_stamps_differ(graph: Graph, since: str) -> None:
     graph.host(RectificationNode(graph.context))
     cameras = Cameras(graph)
+    if since == "a restart":
+        cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "one clock")
 
     def apart() -> None:
         cameras.image("left")
