@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import errno
 import os
+import re
 import sys
 from collections.abc import Sequence
 
@@ -24,6 +25,8 @@ from two cameras to poses:
 
 `stereo-pick COMMAND --help` tells more. Exit status: 0 done, 1 an error that is named, 2 a wrong command line."""
 
+_OF_ROS = re.compile(r"_?rclpy|rpyutils|std_srvs|\w+_(msgs|interfaces)")
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return its exit status."""
@@ -34,6 +37,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return status
     except StereoPickError as error:
         print(f"stereo-pick: error: {error}", file=sys.stderr)
+        return 1
+    except ImportError as error:
+        if not _OF_ROS.match(error.name or ""):
+            raise
+        needed = f"ROS 2 for Python {sys.version_info[0]}.{sys.version_info[1]} ({error.msg.partition(chr(10))[0]})"
+        remedy = "source its setup.bash, or install the extra `wheels` of this package"
+        print(f"stereo-pick: error: this needs {needed}: {remedy}", file=sys.stderr)
         return 1
     except BrokenPipeError:
         sys.stderr.close()
