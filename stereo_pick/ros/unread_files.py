@@ -39,7 +39,7 @@ def is_for(section: str, node: str) -> bool:
 
 def _sections(path: Path) -> list[str]:
     """The names of the nodes, with their namespaces, that a file is for."""
-    content = yaml.safe_load(path.read_text(encoding="utf-8"))
+    content = yaml.safe_load(path.read_bytes())
     return list(_named("", content)) if isinstance(content, Mapping) else []
 
 
