@@ -23,6 +23,7 @@ from stereo_pick.ros.topics import IMAGE_RAW, SIDES
 
 _SILENT_AFTER_S = 2.0
 _RECENT = 40  # images over which those without partner are counted
+_TYPE = "sensor_msgs/msg/Image"
 _LOST_ON_THE_WAY = "give its driver the Fast DDS profile, without which large images get lost (docs/nodes.md)"
 
 
@@ -115,8 +116,14 @@ class RawPairs:
 
     def _if_published(self, topics: Sequence[str]) -> str:
         """What else may be wrong with topics on which nothing arrives although somebody publishes them."""
-        published = all(self._node.count_publishers(topic) > 0 for topic in topics)
-        return f" It is published: if the camera does run, {_LOST_ON_THE_WAY}" if published else ""
+        types = [{each.topic_type for each in self._node.get_publishers_info_by_topic(topic)} for topic in topics]
+        others = sorted(set().union(*types) - {_TYPE})
+        if others:
+            return (
+                f" It is published as {' and '.join(others)}, not as {_TYPE}: remap to the raw images, or have "
+                "image_transport's republish make them"
+            )
+        return f" It is published: if the camera does run, {_LOST_ON_THE_WAY}" if all(types) else ""
 
     def _many_unpaired(self) -> Status | None:
         """What to say where most of the last images found no partner."""

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import rigs
 from ros_tools import Graph, reserved_domain
+from sensor_msgs.msg import CompressedImage
 
 import stereo_pick.ros.node as node_module
 import stereo_pick.ros.raw_pairs as raw_pairs_module
@@ -129,6 +130,16 @@ def test_rectification_tells_of_the_profile_only_where_somebody_publishes(graph:
     assert "profile" not in graph.statuses()["rectification"][1]
     Cameras(graph)
     graph.wait(told(graph, "rectification", WARN, "are the cameras running?", "Fast DDS profile"), "they are published")
+
+
+def test_rectification_names_the_type_that_is_published_in_place_of_images(graph: Graph) -> None:
+    """Remapped to compressed images, it advised the Fast DDS profile."""
+    graph.host(RectificationNode(graph.context))
+    driver = Graph(graph.context.get_domain_id())
+    driver.publisher(replace(IMAGE_RAW["left"], type=CompressedImage))
+    published = ("It is published as sensor_msgs/msg/CompressedImage, not as sensor_msgs/msg/Image", "remap")
+    graph.wait(told(graph, "rectification", WARN, *published), "the type is named")
+    driver.close()
 
 
 def test_rectification_warns_where_most_images_have_no_partner(graph: Graph) -> None:
