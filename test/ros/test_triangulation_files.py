@@ -127,6 +127,17 @@ def test_poses_come_in_the_hand_eyes_frame_with_the_whole_covariance(
     assert node.values()["calibration_hash"] == calibration_hash(RIG)
 
 
+def test_a_file_in_the_users_folder_is_found(
+    start: Callable[..., Node], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No shell puts it in behind `:=`, and a parameter file has none."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    write_hand_eye(tmp_path / "hand_eye.yaml", BASE_T_CAMERA)
+    node = start(hand_eye_file=Path("~/hand_eye.yaml"))
+    node.feed_until(lambda: node.poses, "poses")
+    assert node.poses[-1].header.frame_id == "base_link"
+
+
 def test_without_files_poses_are_the_cameras_and_the_diagnostics_tell_what_the_covariance_lacks(
     start: Callable[..., Node],
 ) -> None:

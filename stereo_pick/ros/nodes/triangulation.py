@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from rclpy.context import Context
@@ -13,7 +12,7 @@ from stereo_pick.core.calibration.record import load_record
 from stereo_pick.core.configuration import triangulation_groups
 from stereo_pick.core.hand_eye.files import load_hand_eye
 from stereo_pick.core.parameter_groups import configured, declared
-from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.core.params import Configurable, parameter, path_of
 from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.positioning import Positioning
 from stereo_pick.core.refusal import count_reasons
@@ -96,8 +95,8 @@ class TriangulationNode(JoinedNode):
 
 
 def _positioning(options: TriangulationOptions) -> Positioning:
-    record = load_record(Path(options.calibration_file)) if options.calibration_file else None
-    hand_eye = load_hand_eye(Path(options.hand_eye_file)) if options.hand_eye_file else None
+    record = load_record(path_of(options.calibration_file)) if options.calibration_file else None
+    hand_eye = load_hand_eye(path_of(options.hand_eye_file)) if options.hand_eye_file else None
     return Positioning(record, hand_eye)
 
 
