@@ -1,4 +1,4 @@
-"""A camera that hangs while its driver goes on sending its last image, under new stamps."""
+"""Cameras that hang while their driver goes on sending their last image, under new stamps."""
 
 from __future__ import annotations
 
@@ -9,18 +9,15 @@ from stereo_pick.core.pairing import Pair, Side
 from stereo_pick.ros.topics import SIDES
 
 
-def frozen_side(pair: Pair[Image], before: Pair[Image] | None) -> Side | None:
-    """The camera whose image is that of the pair before to the last bit, while the other one's has changed, if any.
+def repeated_sides(pair: Pair[Image], before: Pair[Image] | None) -> list[Side]:
+    """The cameras whose images are those of the pair before to the last bit: a sensor's noise never repeats.
 
-    A sensor's noise never repeats. Where neither image changes, as in a simulation, or one is of one grey level, as
-    with the lens cap on, that says nothing.
+    None where all that repeats is of one grey level, as with the lens cap on: that says nothing.
     """
     if before is None:
-        return None
+        return []
     repeated = [side for side in SIDES if getattr(pair, side).data == getattr(before, side).data]
-    if len(repeated) != 1 or _is_even(getattr(pair, repeated[0])):
-        return None
-    return repeated[0]
+    return [] if all(_is_even(getattr(pair, side)) for side in repeated) else repeated
 
 
 def _is_even(image: Image) -> bool:

@@ -14,7 +14,7 @@ from stereo_pick.core.errors import ImageError
 from stereo_pick.core.images import FULL_SCALE_16, pixels
 from stereo_pick.core.pairing import MOST_OFFSET_S, Pair, PairingCounts, Side, StampOrder, StampPairer
 from stereo_pick.core.params import Configurable, parameter
-from stereo_pick.ros.frozen import frozen_side
+from stereo_pick.ros.frozen import repeated_sides
 from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
 from stereo_pick.ros.messages.images import buffer_of
 from stereo_pick.ros.messages.stamps import stamp_ns
@@ -60,6 +60,7 @@ class RawPairs:
         self._order = StampOrder()
         self._faults: dict[str, str] = {}
         self._before: Pair[Image] | None = None
+        self._still = 0  # pairs that were the same as the one before
         self.restart(0.0)
 
     def listen(self) -> None:
@@ -90,7 +91,9 @@ class RawPairs:
             return Status(self.missing_level(), self._why_no_pair())
         silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in self._silent()]
         if not silent:
-            return Status(ERROR, self._fault()) if self._faults else self._node.mixed() or self._many_unpaired()
+            if self._faults:
+                return Status(ERROR, self._fault())
+            return self._node.mixed() or self._many_unpaired() or self._all_alike()
         level = WARN if len(silent) == len(SIDES) else ERROR
         message = f"no image on {' and '.join(silent)} any more: is the camera running?"
         return Status(level, message + self._if_published(silent))
@@ -138,6 +141,16 @@ class RawPairs:
             f"rate? If they are, {_LOST_ON_THE_WAY}",
         )
 
+    def _all_alike(self) -> Status | None:
+        """The warning where both cameras send the same images again and again: nobody can tell from when they are."""
+        if self._still < _RECENT:
+            return None
+        return Status(
+            WARN,
+            f"the last {_RECENT} pairs are the same to the last bit: do both cameras hang? Restart them, and their "
+            "driver; a simulation without noise looks like that, too",
+        )
+
     def _silent(self) -> list[Side]:
         """Both sides where nothing comes any more, or the one that the other has left behind."""
         latest_ns = max(self._last_ns.values())
@@ -163,9 +176,10 @@ class RawPairs:
 
     def _pass_on(self, pair: Pair[Image]) -> None:
         """Call back with the pair, unless one of its images was taken earlier than the other one."""
-        frozen, self._before = frozen_side(pair, self._before), pair
-        if frozen is not None:
-            topic = self._node.resolve_topic_name(IMAGE_RAW[frozen].name)
+        repeated, self._before = repeated_sides(pair, self._before), pair
+        self._still = self._still + 1 if len(repeated) == len(SIDES) else 0
+        if len(repeated) == 1:
+            topic = self._node.resolve_topic_name(IMAGE_RAW[repeated[0]].name)
             raise ImageError(
                 f"{topic} repeats the image before to the last bit, while the other camera's changes: does the camera "
                 "hang? Restart it, and its driver"

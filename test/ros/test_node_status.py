@@ -209,9 +209,9 @@ def test_rectification_pairs_no_image_of_a_camera_that_hangs(graph: Graph, froze
         hang()
         graph.spin(0.1)
     assert len(rectified) == before
-    cameras.until(
-        lambda: cameras.pair(still, still), lambda: len(rectified) > before + 1, "a still simulation is paired"
-    )
+    both = told(graph, "rectification", WARN, "the last 40 pairs are the same to the last bit: do both cameras hang?")
+    cameras.until(lambda: cameras.pair(still, still), both, "it is told where both hang, too")
+    assert len(rectified) > before, "a simulation in which nothing moves looks the same, and is paired"
 
 
 def test_rectification_names_a_remapped_topic(graph: Graph) -> None:
