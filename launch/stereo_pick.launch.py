@@ -41,7 +41,7 @@ def generate_launch_description() -> LaunchDescription:
 
 
 def _record_of(calibration: str) -> str:
-    path = Path(calibration) / "calibration.yaml"
+    path = Path(calibration).expanduser() / "calibration.yaml"
     return str(path) if calibration and path.is_file() else ""
 
 

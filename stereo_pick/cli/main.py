@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import errno
+import os
+import re
 import sys
 from collections.abc import Sequence
 
@@ -22,18 +25,35 @@ from two cameras to poses:
 
 `stereo-pick COMMAND --help` tells more. Exit status: 0 done, 1 an error that is named, 2 a wrong command line."""
 
+_OF_ROS = re.compile(r"_?rclpy|rpyutils|std_srvs|\w+_(msgs|interfaces)")
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return its exit status."""
     try:
         args = _parser().parse_args(argv)
-        return int(args.run(args))
+        status = int(args.run(args))
+        print(end="", flush=True)  # what fails later nobody catches
+        return status
     except StereoPickError as error:
         print(f"stereo-pick: error: {error}", file=sys.stderr)
+        return 1
+    except ImportError as error:
+        if not _OF_ROS.match(error.name or ""):
+            raise
+        needed = f"ROS 2 for Python {sys.version_info[0]}.{sys.version_info[1]} ({error.msg.partition(chr(10))[0]})"
+        remedy = "source its setup.bash, or install the extra `wheels` of this package"
+        print(f"stereo-pick: error: this needs {needed}: {remedy}", file=sys.stderr)
         return 1
     except BrokenPipeError:
         sys.stderr.close()
         return 0
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        print(f"stereo-pick: error: {error.filename or 'standard output'}: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python writes at its end what is left
+        return 1
     except KeyboardInterrupt:
         return 130
 

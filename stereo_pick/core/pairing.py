@@ -138,13 +138,20 @@ class StampPairer(Generic[T]):
             if others == 0:
                 return f"{some} has {_images(n)}, {other} none: is the {other} camera running?"
         if counts.pairs == 0:
-            return self._explain_offset()
+            return self.explain_offset()
         return (
             f"{counts.pairs} of {_images(counts.left)} left and {counts.right} right are paired, "
             f"{counts.dropped_left} left and {counts.dropped_right} right found no partner"
         )
 
-    def _explain_offset(self) -> str:
+    @property
+    def is_apart(self) -> bool:
+        """Whether no stamp since the last pair was near enough to one of the other side."""
+        nearest_ns = self.counts.nearest_offset_ns
+        return nearest_ns is not None and nearest_ns > self._max_offset_ns
+
+    def explain_offset(self) -> str:
+        """One sentence on how far apart the stamps are, and why that may be."""
         offset_ns = self.counts.nearest_offset_ns or 0
         apart = f"nearest left and right stamps differ by {_duration(offset_ns)}"
         if offset_ns <= self._max_offset_ns:

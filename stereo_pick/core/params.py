@@ -11,6 +11,7 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, TypeVar
 
 from stereo_pick.core.errors import ParameterError
@@ -117,6 +118,14 @@ class Configurable:
             if name not in known:
                 raise ParameterError(f"there is no parameter {name!r}; there are: {', '.join(sorted(known))}")
         return cls(**values)
+
+
+def path_of(text: str) -> Path:
+    """The path that a parameter holds; ~ is the user's folder, which no shell puts in behind `:=` or in a file."""
+    try:
+        return Path(text).expanduser()
+    except RuntimeError:  # there is no such user
+        return Path(text)
 
 
 def unknown_name(name: str, known: Collection[str]) -> str:

@@ -23,6 +23,7 @@ class BackgroundLearning:
         self._path = path
         self._saved = saved
         self._learner: BackgroundLearner | None = None
+        self._promised = Path()
         node.create_service(Trigger, "~/learn_background", self._on_call)
 
     @property
@@ -41,8 +42,8 @@ class BackgroundLearning:
         learner.add(pair)
         if learner.pairs < PAIRS_TO_LEARN:
             self._learner = learner
-        elif path := self._path():
-            save_background(path, learner.finished())
+        else:
+            save_background(self._promised, learner.finished())
             self._saved()
         return True
 
@@ -52,6 +53,6 @@ class BackgroundLearning:
         if path is None:
             answer.message = "set segmentation.background_file to where the background is to be saved, and call again"
             return answer
-        self._learner = BackgroundLearner()
+        self._learner, self._promised = BackgroundLearner(), path
         answer.message = f"learning from the next {PAIRS_TO_LEARN} pairs, then saved as {path}; keep the surface empty"
         return answer

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import partial
-from pathlib import Path
 
 from rclpy.node import Node
 from sensor_msgs.srv import SetCameraInfo
@@ -13,6 +12,7 @@ from stereo_pick.core.calibration.record import FILE_NAME, record_of
 from stereo_pick.core.calibration.renewal import CalibrationKeeper
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, SourceError, StereoPickError
+from stereo_pick.core.params import path_of
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.messages.cameras import camera_of
 from stereo_pick.ros.topics import SIDES
@@ -32,7 +32,8 @@ class CalibrationInUse:
         self, node: Node, calibration: str, recording: str, source: StereoSource, size_px: tuple[int, int]
     ) -> None:
         self._node = node
-        self._folder = Path(calibration) if calibration and Path(calibration).is_dir() else None
+        path = path_of(calibration)
+        self._folder = path if calibration and path.is_dir() else None
         nowhere = f"{calibration} is an OpenCV file" if calibration else f"the camera_info is that of {recording}"
         cameras = _cameras(calibration, recording, source)
         self._keeper = CalibrationKeeper(cameras, size_px, self._folder, f"{nowhere}; {_REMEDY}")
@@ -83,7 +84,7 @@ class CalibrationInUse:
 
 
 def _cameras(calibration: str, recording: str, source: StereoSource) -> dict[str, Camera]:
-    path = Path(calibration)
+    path = path_of(calibration)
     if calibration and path.is_dir() and not any(path.iterdir()):
         return {}
     cameras = load_cameras(path) if calibration else source.cameras

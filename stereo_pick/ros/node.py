@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -10,22 +11,24 @@ from typing import Any
 from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from stereo_pick.core.calibration.fingerprint import calibration_hash
-from stereo_pick.core.errors import StereoPickError
+from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.params import Parameter
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.ros.messages.diagnostics import ERROR, OK, Status, diagnostics_message, kind
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status, diagnostics_message, kind
 from stereo_pick.ros.parameters import LiveParameters, Values
-from stereo_pick.ros.topics import DIAGNOSTICS, Topic
+from stereo_pick.ros.topics import CLOCK, DIAGNOSTICS, Topic
 
 CALIBRATION_HASH = "calibration_hash"
 _DIAGNOSTICS_PERIOD_S = 1.0
 _HEARD_S = 2.0  # who was killed never confirms
+_OF_MANY = (DIAGNOSTICS, CLOCK)  # topics that several nodes may publish, as one clock for all cells
 
 
 class StepNode(Node):
@@ -44,6 +47,7 @@ class StepNode(Node):
         self._error: StereoPickError | None = None
         self.last_error = ""
         self._last_logged = (OK, "")
+        self._topics: list[str] = []
         self._diagnostics = self.advertise(DIAGNOSTICS)
         self.parameters = LiveParameters(self, parameters, self.configure, self._reconfigure)
         self._reconfigure()
@@ -62,21 +66,26 @@ class StepNode(Node):
         return Status(OK, "running")
 
     def advertise(self, topic: Topic) -> Publisher:
-        """Create a publisher whose QoS parameters can override."""
-        options = QoSOverridingOptions.with_default_policies()
-        return self.create_publisher(topic.type, topic.name, _own(topic.qos), qos_overriding_options=options)
+        """Create a publisher whose QoS parameters can override; raises ParameterError where theirs is none."""
+        with self._overridden(topic, "publisher") as options:
+            return self.create_publisher(topic.type, topic.name, _own(topic.qos), qos_overriding_options=options)
 
     def listen(self, topic: Topic, callback: Callable[[Any], None]) -> None:
-        """Create a subscription whose QoS parameters can override; errors of the callback become the node's status."""
-        options = QoSOverridingOptions.with_default_policies()
-        self.create_subscription(
-            topic.type, topic.name, self._guarded(callback), _own(topic.qos), qos_overriding_options=options
-        )
+        """Create a subscription whose QoS parameters can override; errors of the callback become the node's status.
+
+        Raises ParameterError where the parameters' QoS is none.
+        """
+        with self._overridden(topic, "subscription") as options:
+            self.create_subscription(
+                topic.type, topic.name, self._guarded(callback), _own(topic.qos), qos_overriding_options=options
+            )
 
     def report(self) -> None:
         """Publish the node's status, and log it where it is new and not OK."""
         status = self.status() if self._error is None else Status(ERROR, str(self._error))
         self._error = None
+        if status.level == OK:
+            status = replace(self.mixed() or status, values=status.values)
         if self.rig is not None:
             status = replace(status, values={**status.values, CALIBRATION_HASH: calibration_hash(self.rig)})
         self._log(status)
@@ -84,6 +93,18 @@ class StepNode(Node):
         # /diagnostics is one for all namespaces: names alone would be those of several cells' nodes.
         name = self.get_fully_qualified_name().removeprefix("/")
         self._diagnostics.publish(diagnostics_message(f"stereo_pick: {name}", status, now_ns))
+
+    def mixed(self) -> Status | None:
+        """The warning where one of the node's topics has several publishers, as two drivers, or chains, have."""
+        for topic in self._topics:
+            count = self.count_publishers(topic)
+            if count > 1:
+                return Status(
+                    WARN,
+                    f"{count} publishers on {topic}: what is of different cameras, or calibrations, would be taken for "
+                    "that of one; end all but one (what was killed is forgotten after some 20 s)",
+                )
+        return None
 
     @property
     def is_heard(self) -> bool:
@@ -94,6 +115,20 @@ class StepNode(Node):
         """Report, and wait a while until all who listen have it: what has ended repeats nothing."""
         self.report()
         self._diagnostics.wait_for_all_acked(Duration(seconds=_HEARD_S))
+
+    @contextmanager
+    def _overridden(self, topic: Topic, end: str) -> Iterator[QoSOverridingOptions]:
+        """Let parameters override the QoS of one of the node's topics."""
+        name = self.resolve_topic_name(topic.name)
+        if topic not in _OF_MANY:
+            self._topics.append(name)
+        try:
+            yield QoSOverridingOptions.with_default_policies()
+        except (RuntimeError, InvalidParameterTypeException) as error:
+            raise ParameterError(
+                f"correct the parameters qos_overrides.{name}.{end}.*: reliability is reliable or best_effort, history "
+                f"keep_last or keep_all, depth a number from 1: {' '.join(str(error).split())}"
+            ) from None
 
     def _reconfigure(self) -> None:
         self.apply(self.configure(self.parameters.values))

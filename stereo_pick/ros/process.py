@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import shlex
 import signal
 import sys
 import threading
@@ -14,11 +15,13 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
 
 from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.ros.misspelled import warn_of_misspelled
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.started_by import is_orphaned
+from stereo_pick.ros.unread_files import warn_of_unread
 
 _SPIN_S = 0.1
 _PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
@@ -43,6 +46,7 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
         for factory in factories:
             nodes.append(factory(context))
         warn_of_misspelled(nodes)
+        warn_of_unread(nodes, sys.argv if args is None else args)
         _spin(nodes, context, stop)
         return 0
     except StereoPickError as error:
@@ -70,8 +74,11 @@ def prepare_process() -> None:
 
 
 def start_ros(context: Context, args: Sequence[str] | None) -> None:
-    """Start ROS in this context, without its signal handlers; raises ParameterError, with the reason, if it fails."""
-    given = list(args) if args is not None else None
+    """Start ROS in this context, without its signal handlers.
+
+    Raises ParameterError, with the reason, if it fails, and on arguments that ROS passes over.
+    """
+    given = list(args) if args is not None else sys.argv[1:]
     try:
         rclpy.init(args=given, context=context, signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
@@ -80,6 +87,12 @@ def start_ros(context: Context, args: Sequence[str] | None) -> None:
             f"ROS 2 does not start ({reason}): correct what stands after --ros-args, or the environment "
             "(ROS_DOMAIN_ID, ROS_LOG_DIR)"
         ) from None
+    passed_over = remove_ros_args(given)
+    if passed_over:
+        raise ParameterError(
+            f"no node takes the arguments {shlex.join(passed_over)}: parameters, their files and remappings stand "
+            "after --ros-args, as in --ros-args -p name:=value"
+        )
 
 
 def _spin(nodes: Sequence[StepNode], context: Context, stop: threading.Event) -> None:

@@ -14,6 +14,7 @@ from stereo_pick.core.errors import ImageError
 from stereo_pick.core.images import FULL_SCALE_16, pixels
 from stereo_pick.core.pairing import MOST_OFFSET_S, Pair, PairingCounts, Side, StampOrder, StampPairer
 from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.ros.frozen import repeated_sides
 from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
 from stereo_pick.ros.messages.images import buffer_of
 from stereo_pick.ros.messages.stamps import stamp_ns
@@ -22,6 +23,7 @@ from stereo_pick.ros.topics import IMAGE_RAW, SIDES
 
 _SILENT_AFTER_S = 2.0
 _RECENT = 40  # images over which those without partner are counted
+_TYPE = "sensor_msgs/msg/Image"
 _LOST_ON_THE_WAY = "give its driver the Fast DDS profile, without which large images get lost (docs/nodes.md)"
 
 
@@ -57,6 +59,8 @@ class RawPairs:
         self._last_ns: dict[str, int] = {}
         self._order = StampOrder()
         self._faults: dict[str, str] = {}
+        self._before: Pair[Image] | None = None
+        self._still = 0  # pairs that were the same as the one before
         self.restart(0.0)
 
     def listen(self) -> None:
@@ -79,7 +83,7 @@ class RawPairs:
     def flush(self) -> None:
         """Call back with what still waits for a better partner: nothing more comes."""
         for pair in self._pairer.flush():
-            self._paired(pair)
+            self._pass_on(pair)
 
     def trouble(self) -> Status | None:
         """What is missing or wrong with the last images, if anything is."""
@@ -87,7 +91,9 @@ class RawPairs:
             return Status(self.missing_level(), self._why_no_pair())
         silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in self._silent()]
         if not silent:
-            return Status(ERROR, self._fault()) if self._faults else self._mixed() or self._many_unpaired()
+            if self._faults:
+                return Status(ERROR, self._fault())
+            return self._node.mixed() or self._many_unpaired() or self._all_alike()
         level = WARN if len(silent) == len(SIDES) else ERROR
         message = f"no image on {' and '.join(silent)} any more: is the camera running?"
         return Status(level, message + self._if_published(silent))
@@ -113,31 +119,36 @@ class RawPairs:
 
     def _if_published(self, topics: Sequence[str]) -> str:
         """What else may be wrong with topics on which nothing arrives although somebody publishes them."""
-        published = all(self._node.count_publishers(topic) > 0 for topic in topics)
-        return f" It is published: if the camera does run, {_LOST_ON_THE_WAY}" if published else ""
-
-    def _mixed(self) -> Status | None:
-        """The warning where images of several cameras come on one topic."""
-        for side in SIDES:
-            topic = self._node.resolve_topic_name(IMAGE_RAW[side].name)
-            count = self._node.count_publishers(topic)
-            if count > 1:
-                return Status(
-                    WARN,
-                    f"{count} publishers on {topic}: images of different cameras would be taken for those of one; end "
-                    "all but one (what was killed is forgotten after some 20 s)",
-                )
-        return None
+        types = [{each.topic_type for each in self._node.get_publishers_info_by_topic(topic)} for topic in topics]
+        others = sorted(set().union(*types) - {_TYPE})
+        if others:
+            return (
+                f" It is published as {' and '.join(others)}, not as {_TYPE}: remap to the raw images, or have "
+                "image_transport's republish make them"
+            )
+        return f" It is published: if the camera does run, {_LOST_ON_THE_WAY}" if all(types) else ""
 
     def _many_unpaired(self) -> Status | None:
-        """The warning where most of the last images found no partner."""
+        """What to say where most of the last images found no partner."""
         unpaired = self._recent.count(False)
+        if unpaired == _RECENT and self._pairer.is_apart:
+            return Status(ERROR, self._pairer.explain_offset())
         if 2 * unpaired <= _RECENT:
             return None
         return Status(
             WARN,
             f"{unpaired} of the last {len(self._recent)} images found no partner: are the cameras synchronised, at one "
             f"rate? If they are, {_LOST_ON_THE_WAY}",
+        )
+
+    def _all_alike(self) -> Status | None:
+        """The warning where both cameras send the same images again and again: nobody can tell from when they are."""
+        if self._still < _RECENT:
+            return None
+        return Status(
+            WARN,
+            f"the last {_RECENT} pairs are the same to the last bit: do both cameras hang? Restart them, and their "
+            "driver; a simulation without noise looks like that, too",
         )
 
     def _silent(self) -> list[Side]:
@@ -161,7 +172,19 @@ class RawPairs:
         pairs = self._pairer.add(side, taken_ns, message)
         self._recent.extend([False] * (self._dropped() - dropped) + [True] * 2 * len(pairs))
         for pair in pairs:
-            self._paired(pair)
+            self._pass_on(pair)
+
+    def _pass_on(self, pair: Pair[Image]) -> None:
+        """Call back with the pair, unless one of its images was taken earlier than the other one."""
+        repeated, self._before = repeated_sides(pair, self._before), pair
+        self._still = self._still + 1 if len(repeated) == len(SIDES) else 0
+        if len(repeated) == 1:
+            topic = self._node.resolve_topic_name(IMAGE_RAW[repeated[0]].name)
+            raise ImageError(
+                f"{topic} repeats the image before to the last bit, while the other camera's changes: does the camera "
+                "hang? Restart it, and its driver"
+            )
+        self._paired(pair)
 
     def _dropped(self) -> int:
         return self.counts.dropped_left + self.counts.dropped_right

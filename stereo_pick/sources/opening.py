@@ -30,9 +30,11 @@ def open_source(
     """
     if not path.exists():
         raise SourceError(f"{path}: no such bag or folder; check the path")
-    if _is_bag(path):  # imported here, because a folder should not wait for rosbags to load
-        from stereo_pick.sources.bag import BagSource
-
+    if _is_bag(path):
+        try:  # here, because a folder should not wait for rosbags to load
+            from stereo_pick.sources.bag import BagSource
+        except ModuleNotFoundError as error:
+            raise SourceError(f"{path}: bags need rosbags ({error}): pip install rosbags") from None
         return BagSource.open(path, left_topic, right_topic, max_stamp_offset_s, uses_camera_info, full_scale_16)
     if path.is_dir():
         from stereo_pick.sources.images import ImageFolder

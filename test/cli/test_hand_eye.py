@@ -125,6 +125,26 @@ def test_the_file_survives_a_round_trip(tmp_path: Path) -> None:
     assert again.hand_eye.residuals == framed.hand_eye.residuals and again.hand_eye.attempts == framed.hand_eye.attempts
 
 
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"pose": {"xyz_m": [500.0, 100.0, 1000.0], "quaternion_xyzw": [0, 0, 0, 1]}},
+            "camera is 1122 m from the base",
+        ),
+        ({"name": "camera_T_base"}, "camera_T_base: the pose must be the camera's, .* invert it"),
+        ({"parent_frame": None}, "frames '' and 'left_camera_optical_frame'"),
+    ],
+)
+def test_a_file_that_was_edited_wrongly_is_refused(tmp_path: Path, change: dict[str, Any], message: str) -> None:
+    """Poses a kilometre off, or in the frame None, went to the robot."""
+    run(tmp_path, pairs())
+    file = tmp_path / "out" / "base_T_camera.yaml"
+    file.write_text(yaml.safe_dump({**yaml.safe_load(file.read_text()), **change}))
+    with pytest.raises(CalibrationError, match=rf"base_T_camera\.yaml: .*{message}"):
+        load_hand_eye(file)
+
+
 def test_a_file_of_something_else_is_refused_by_name(tmp_path: Path) -> None:
     file = tmp_path / "other.yaml"
     file.write_text("image_width: 640")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 
 from stereo_pick.core.configuration import pipeline_parameters
 from stereo_pick.core.errors import ParameterError
-from stereo_pick.core.params import Configurable, Parameter, parameter
+from stereo_pick.core.params import Configurable, Parameter, parameter, path_of
 
 
 @dataclass(frozen=True)
@@ -93,3 +94,10 @@ def test_text_that_is_no_legal_value_is_refused(name: str, text: str) -> None:
 @given(st.floats(300, 600))
 def test_what_is_written_out_is_read_back(heat_k: float) -> None:
     assert named("heat_k").parsed(repr(heat_k)) == heat_k
+
+
+def test_the_users_folder_is_put_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", "/home/me")
+    assert path_of("~/my_rig") == Path("/home/me/my_rig")
+    assert path_of("my_rig/~") == Path("my_rig/~")
+    assert path_of("~nobody_of_that_name/my_rig") == Path("~nobody_of_that_name/my_rig")

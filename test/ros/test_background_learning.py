@@ -25,9 +25,10 @@ class Learning:
 
     def __init__(self, path: Path | None) -> None:
         self.saved = 0
+        self.path = path
         self.services: dict[str, Any] = {}
         node: Any = SimpleNamespace(create_service=lambda _kind, name, call: self.services.update({name: call}))
-        self.learning = BackgroundLearning(node, lambda: path, self._on_saved)
+        self.learning = BackgroundLearning(node, lambda: self.path, self._on_saved)
 
     def call(self) -> Trigger.Response:
         answer: Trigger.Response = self.services["~/learn_background"](Trigger.Request(), Trigger.Response())
@@ -74,6 +75,15 @@ def test_what_cannot_be_saved_is_said_once_and_ends_the_learning(tmp_path: Path)
     with pytest.raises(ImageError, match="cannot be written"):
         node.learning.takes(pair(0))
     assert node.saved == 0 and not node.learning.takes(pair(0))
+
+
+def test_what_is_learned_is_saved_where_the_answer_said(tmp_path: Path) -> None:
+    node = Learning(tmp_path / "background.npz")
+    node.call()
+    node.path = None
+    for count in range(PAIRS_TO_LEARN):
+        node.learning.takes(pair(count))
+    assert load_background(tmp_path / "background.npz").pairs == PAIRS_TO_LEARN and node.saved == 1
 
 
 def test_nothing_is_learned_with_the_lens_caps_on(tmp_path: Path) -> None:

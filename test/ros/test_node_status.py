@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 import rigs
 from ros_tools import Graph, reserved_domain
+from sensor_msgs.msg import CompressedImage
 
 import stereo_pick.ros.node as node_module
 import stereo_pick.ros.raw_pairs as raw_pairs_module
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
+from stereo_pick.core.pairing import Side
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.transform import Transform
@@ -38,6 +40,7 @@ from stereo_pick.ros.topics import (
     IMAGE_RECT,
     OBJECT_POSES,
     SIDES,
+    Topic,
 )
 
 START_NS = 1_760_000_000_000_000_000
@@ -129,6 +132,16 @@ def test_rectification_tells_of_the_profile_only_where_somebody_publishes(graph:
     graph.wait(told(graph, "rectification", WARN, "are the cameras running?", "Fast DDS profile"), "they are published")
 
 
+def test_rectification_names_the_type_that_is_published_in_place_of_images(graph: Graph) -> None:
+    """Remapped to compressed images, it advised the Fast DDS profile."""
+    graph.host(RectificationNode(graph.context))
+    driver = Graph(graph.context.get_domain_id())
+    driver.publisher(replace(IMAGE_RAW["left"], type=CompressedImage))
+    published = ("It is published as sensor_msgs/msg/CompressedImage, not as sensor_msgs/msg/Image", "remap")
+    graph.wait(told(graph, "rectification", WARN, *published), "the type is named")
+    driver.close()
+
+
 def test_rectification_warns_where_most_images_have_no_partner(graph: Graph) -> None:
     graph.host(RectificationNode(graph.context))
     cameras = Cameras(graph)
@@ -144,10 +157,12 @@ def test_rectification_warns_where_most_images_have_no_partner(graph: Graph) -> 
     cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it is well again")
 
 
-def test_rectification_warns_of_two_cameras_on_one_topic_until_one_is_gone(graph: Graph) -> None:
+@pytest.mark.parametrize("topic", [IMAGE_RAW["right"], CAMERA_INFO["left"], IMAGE_RECT["left"]])
+def test_rectification_warns_of_two_publishers_of_one_topic_until_one_is_gone(graph: Graph, topic: Topic) -> None:
+    """Of two camera_info the last one won, and all positions were those of another calibration."""
     graph.host(RectificationNode(graph.context))
-    cameras, other = Cameras(graph), graph.publisher(IMAGE_RAW["right"])
-    two = told(graph, "rectification", WARN, "2 publishers on /right/image_raw", "end all but one")
+    cameras, other = Cameras(graph), graph.publisher(topic)
+    two = told(graph, "rectification", WARN, f"2 publishers on /{topic.name}", "end all but one")
     cameras.until(cameras.pair, two, "both are told of")
     graph.node.destroy_publisher(other)
     cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "one is left")
@@ -167,6 +182,36 @@ def test_rectification_warns_of_images_that_were_rectified_before() -> None:
         unchanged = told(other, "rectification", OK, "pairs rectified")
         cameras.until(cameras.pair, unchanged, "of a driver that rectifies, camera_info is of rectified images")
         other.close()
+
+
+@pytest.mark.parametrize("frozen", SIDES)
+def test_rectification_pairs_no_image_of_a_camera_that_hangs(graph: Graph, frozen: Side) -> None:
+    """Its driver sends the last one again and again: parts that moved on would be located where they never were."""
+    graph.host(RectificationNode(graph.context))
+    cameras, rectified = Cameras(graph), graph.listen(IMAGE_RECT["left"])
+    noise = np.random.default_rng(0)
+
+    def new() -> Any:
+        return noise.integers(80, 100, GREY.shape, np.uint8)
+
+    cameras.until(lambda: cameras.pair(new(), new()), lambda: rectified, "both cameras run")
+    still = new()
+
+    def hang() -> None:
+        cameras.pair(*(still if side == frozen else new() for side in SIDES))
+
+    hangs = told(
+        graph, "rectification", ERROR, f"/{frozen}/image_raw repeats the image before", "does the camera hang?"
+    )
+    cameras.until(hang, hangs, "it is named")
+    before = len(rectified)
+    for _ in range(3):
+        hang()
+        graph.spin(0.1)
+    assert len(rectified) == before
+    both = told(graph, "rectification", WARN, "the last 40 pairs are the same to the last bit: do both cameras hang?")
+    cameras.until(lambda: cameras.pair(still, still), both, "it is told where both hang, too")
+    assert len(rectified) > before, "a simulation in which nothing moves looks the same, and is paired"
 
 
 def test_rectification_names_a_remapped_topic(graph: Graph) -> None:
@@ -219,9 +264,12 @@ def test_rectification_names_the_camera_that_has_gone_and_rejoices_when_it_is_ba
     cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it works again")
 
 
-def test_rectification_says_by_how_much_stamps_differ(graph: Graph) -> None:
+@pytest.mark.parametrize("since", ["the start", "a restart"])
+def test_rectification_says_by_how_much_stamps_differ(graph: Graph, since: str) -> None:
     graph.host(RectificationNode(graph.context))
     cameras = Cameras(graph)
+    if since == "a restart":
+        cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "one clock")
 
     def apart() -> None:
         cameras.image("left")

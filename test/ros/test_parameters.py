@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 import rclpy
+import yaml
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.parameter import Parameter as RosParameter
 from ros_tools import Graph, reserved_domain
@@ -21,6 +22,7 @@ from stereo_pick.ros.nodes.correspondence import CorrespondenceNode
 from stereo_pick.ros.nodes.rectification import RectificationNode
 from stereo_pick.ros.nodes.triangulation import TriangulationNode
 from stereo_pick.ros.parameters import LiveParameters
+from stereo_pick.ros.unread_files import is_for, warn_of_unread
 
 DEMO = Path(__file__).parents[2] / "bags" / "demo"
 CLASSES = {
@@ -185,3 +187,45 @@ def test_a_bad_value_at_the_start_is_refused_with_the_reason(node: str, assignme
 
 def _plain(graph: Graph, name: str) -> Any:
     return rclpy.create_node(name, context=graph.context, use_global_arguments=False)
+
+
+@pytest.mark.parametrize("value", ["reliability:=relable", "reliability:=true", "depth:=-3"])
+def test_a_bad_quality_of_service_is_refused_by_its_parameter(value: str) -> None:
+    with reserved_domain() as domain:
+        graph = Graph(domain, ["-p", f"qos_overrides./left/image_raw.subscription.{value}"])
+        with pytest.raises(ParameterError, match=r"qos_overrides\./left/image_raw\.subscription\.\*: reliability is"):
+            RectificationNode(graph.context)
+        graph.close()
+
+
+@pytest.mark.parametrize(
+    ("section", "meant"),
+    [
+        ("/**/correspondence", ""),
+        ("/**", ""),
+        ("/*/correspondence", ""),
+        ("cell1/correspondence", ""),
+        ("correspondence", "/correspondence"),
+        ("/**/corespondence", "/**/corespondence"),
+        ("/cell2/correspondence", "/cell2/correspondence"),
+        ("/cell1/*/correspondence", "/cell1/*/correspondence"),
+        ("/cell1/triangulation", ""),
+        ("another_packages_node", ""),
+    ],
+)
+def test_a_file_with_a_section_under_a_wrong_name_is_told_of(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, section: str, meant: str
+) -> None:
+    file, told = tmp_path / "my.yaml", list[str]()
+    file.write_text(yaml.safe_dump({section: {"ros__parameters": {"method": "ssd"}}}))
+    args = ["--ros-args", "-r", "__ns:=/cell1", "--params-file", str(file)]
+    with reserved_domain() as domain:
+        graph = Graph(domain, args[1:])
+        node = rclpy.create_node("correspondence", context=graph.context)
+        monkeypatch.setattr(type(node.get_logger()), "warning", lambda _, message: told.append(message))
+        read = "method" in node._parameter_overrides
+        warn_of_unread([node], args)
+        node.destroy_node()
+        graph.close()
+    assert read == is_for(section, "/cell1/correspondence")
+    assert [f"if its section {meant} is meant" in text for text in told] == ([True] if meant else [])

@@ -60,12 +60,12 @@ class Node:
         self._table = graph.publisher(CORRESPONDENCES)
         self._stamp_ns = 0
 
-    def feed_until(self, condition: Callable[[], Any], what: str) -> None:
+    def feed_until(self, condition: Callable[[], Any], what: str, frame_id: str = "left_eye") -> None:
         def holds() -> Any:
             self._stamp_ns += 50_000_000
             for side in SIDES:
                 self._infos[side].publish(camera_info_message(getattr(RIG, side), self._stamp_ns, f"{side}_eye"))
-            self._table.publish(correspondences_message(rows(), self._stamp_ns, "left_eye"))
+            self._table.publish(correspondences_message(rows(), self._stamp_ns, frame_id))
             self.graph.spin(0.05)
             return condition()
 
@@ -127,6 +127,17 @@ def test_poses_come_in_the_hand_eyes_frame_with_the_whole_covariance(
     assert node.values()["calibration_hash"] == calibration_hash(RIG)
 
 
+def test_a_file_in_the_users_folder_is_found(
+    start: Callable[..., Node], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """No shell puts it in behind `:=`, and a parameter file has none."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    write_hand_eye(tmp_path / "hand_eye.yaml", BASE_T_CAMERA)
+    node = start(hand_eye_file=Path("~/hand_eye.yaml"))
+    node.feed_until(lambda: node.poses, "poses")
+    assert node.poses[-1].header.frame_id == "base_link"
+
+
 def test_without_files_poses_are_the_cameras_and_the_diagnostics_tell_what_the_covariance_lacks(
     start: Callable[..., Node],
 ) -> None:
@@ -134,6 +145,13 @@ def test_without_files_poses_are_the_cameras_and_the_diagnostics_tell_what_the_c
     node.feed_until(node.told(OK, "2 objects located"), "it is well")
     assert node.values()["covariance_of"] == "image"
     assert node.poses[-1].header.frame_id == "left_eye"
+
+
+@pytest.mark.parametrize("frame_id", ["", "/left_eye"])
+def test_a_frame_that_tf2_refuses_is_told(frame_id: str, start: Callable[..., Node]) -> None:
+    node = start()
+    node.feed_until(node.told(WARN, f"frame_id of the poses is {frame_id!r}", "name a frame"), "it is told", frame_id)
+    node.feed_until(node.told(OK, "2 objects located"), "it is well")
 
 
 def test_a_record_of_another_calibration_is_told_and_left_out(start: Callable[..., Node], tmp_path: Path) -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 import sqlite3
+import sys
 import tracemalloc
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -578,3 +579,12 @@ def test_a_missing_part_is_named(tmp_path: Path) -> None:
     storage_file(path).unlink()
     with pytest.raises(SourceError, match=r"bag cannot be read .*bag\.mcap"):
         open_source(path)
+
+
+def test_without_rosbags_it_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No ROS 2 brings it."""
+    (tmp_path / "bag.mcap").touch()
+    monkeypatch.delitem(sys.modules, "stereo_pick.sources.bag")
+    monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
+    with pytest.raises(SourceError, match=r"bag.mcap: bags need rosbags \(.*\): pip install rosbags"):
+        open_source(tmp_path / "bag.mcap")

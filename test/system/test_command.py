@@ -6,6 +6,8 @@ import json
 import os
 import re
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -380,3 +382,34 @@ def test_a_wrong_command_line_ends_with_status_2() -> None:
 def test_what_is_refused_ends_the_process_with_status_1_and_one_line(arguments: tuple[str, ...]) -> None:
     done = stereo_pick(*arguments)
     assert "nothing" in done.error and done.stdout == ""
+
+
+@pytest.mark.parametrize(
+    "missing",
+    [
+        ModuleNotFoundError("No module named 'rclpy'", name="rclpy"),
+        ImportError("librcl.so: cannot open\nThe C extension 'rclpy' failed", name="_rclpy_pybind11"),
+    ],
+)
+def test_without_ros_it_is_asked_for(
+    missing: ImportError, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def absent() -> None:
+        raise missing
+
+    monkeypatch.setattr("stereo_pick.cli.parameters.nodes", absent)
+    assert main(["parameters"]) == 1
+    error = capsys.readouterr().err
+    assert re.fullmatch(
+        r"stereo-pick: error: this needs ROS 2 for Python 3\.\d+ \(.*(rclpy|librcl).*\): source its .*\n", error
+    )
+
+
+def test_a_full_disk_is_one_line_and_status_1(tmp_path: Path) -> None:
+    """What fits into Python's buffer fails at the very end."""
+    board = ("board", "--board", "9x6", "--square", "0.02", "--output", str(tmp_path / "board.svg"))
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "stereo_pick.cli.main", *board]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=150, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "stereo-pick: error: standard output: No space left on device\n"

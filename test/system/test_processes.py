@@ -9,13 +9,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rclpy.context import Context
 from recordings import DEMO_BAG, DEMO_RIG
 from ros_tools import DOWNSTREAM, NODES, System, slowness
 
 from stereo_pick.core.calibration.files import load_rig
+from stereo_pick.core.errors import ParameterError
 from stereo_pick.ros.messages.cameras import camera_info_message
 from stereo_pick.ros.messages.diagnostics import ERROR
 from stereo_pick.ros.messages.images import image_message
+from stereo_pick.ros.process import start_ros
 from stereo_pick.ros.topics import CAMERA_INFO, IMAGE_RAW, OBJECT_POSES, SIDES
 
 CONFIG = Path(__file__).parents[2] / "config" / "stereo_pick.yaml"
@@ -123,6 +126,16 @@ def test_a_bad_parameter_at_the_start_is_one_line_and_status_1(
     assert line.startswith("stereo-pick: error: ")
     for part in parts:
         assert part in line
+
+
+def test_parameters_without_ros_args_are_refused() -> None:
+    """ROS passes over them: without its hand-eye file a node would publish poses in the camera's frame."""
+    context = Context()
+    try:
+        with pytest.raises(ParameterError, match=r"the arguments -p hand_eye_file:=a.yaml: .* after --ros-args"):
+            start_ros(context, ["-p", "hand_eye_file:=a.yaml", "--ros-args", "-p", "calibration_file:=b.yaml"])
+    finally:
+        context.try_shutdown()
 
 
 def test_a_parameter_that_no_node_has_is_told_of(system: System) -> None:

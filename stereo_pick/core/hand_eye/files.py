@@ -11,6 +11,7 @@ import yaml
 from stereo_pick.core.arrays import floats
 from stereo_pick.core.calibration.fingerprint import calibration_hash
 from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.hand_eye.reach import check_reach
 from stereo_pick.core.hand_eye.recording import about, read_mapping, read_pose
 from stereo_pick.core.hand_eye.result import Attempt, HandEye, Residual, UncertainTransform
 from stereo_pick.core.hand_eye.rotations import to_quaternion
@@ -24,7 +25,8 @@ class FramedHandEye:
     """A hand-eye calibration and the names of its frames (REP 105), such as base_link and left_camera_optical_frame.
 
     calibration_hash: of the rig it was made with; empty where that is unknown.
-    Raises CalibrationError where a name is empty or both are the same.
+    Raises CalibrationError where a name is empty or both are the same, where it is not the camera that is placed, or
+    where its place is in millimetres.
     """
 
     hand_eye: HandEye
@@ -35,6 +37,12 @@ class FramedHandEye:
     def __post_init__(self) -> None:
         if not self.parent_frame or not self.child_frame or self.parent_frame == self.child_frame:
             raise CalibrationError(f"frames {self.parent_frame!r} and {self.child_frame!r} must be two different names")
+        if self.hand_eye.child != "camera":
+            raise CalibrationError(
+                f"name {self.hand_eye.name}: the pose must be the camera's, as base_T_camera or flange_T_camera have "
+                "it (X_base = R X_camera + t): invert it if it is the other way round"
+            )
+        check_reach("pose: the camera", self.hand_eye.found.transform.translation, self.hand_eye.parent)
 
     def check(self, rig: StereoRig) -> None:
         """Raise CalibrationError where it was made with another calibration than this rig's."""
@@ -72,8 +80,8 @@ def load_hand_eye(path: Path) -> FramedHandEye:
                 tuple(Attempt(**each) for each in data["attempts"]),
                 tuple(data["warnings"]),
             )
-            made_with = str(data.get("calibration_hash", ""))
-            return FramedHandEye(hand_eye, str(data["parent_frame"]), str(data["child_frame"]), made_with)
+            parent_frame, child_frame = (str(data[field] or "") for field in ("parent_frame", "child_frame"))
+            return FramedHandEye(hand_eye, parent_frame, child_frame, str(data.get("calibration_hash") or ""))
         except KeyError as error:
             raise CalibrationError(f"field {error} is missing: is it a file of stereo-pick hand-eye?") from None
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from stereo_pick.core.objects.shadow import Shadows
 from stereo_pick.core.objects.silhouette import trace_silhouettes
 from stereo_pick.core.objects.surfaces import surfaces, without_others
 from stereo_pick.core.objects.view import View
-from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.core.params import Configurable, parameter, path_of
 
 _MIN_EDGE_SIGMA = 3.0  # noise by which both sides of an edge must differ for its place to be refined
 _SAFE_LEAD = 4.0  # holes are filled and gaps closed: objects may have more energy than their pixels
@@ -87,12 +86,12 @@ class Detector(Configurable):
         for begin, size in (("roi_x_px", "roi_width_px"), ("roi_y_px", "roi_height_px")):
             if getattr(self, begin) and not getattr(self, size):
                 raise ParameterError(f"{begin} = {getattr(self, begin)} needs {size}, which is 0: objects everywhere")
-        if self.background_file and Path(self.background_file).exists():
+        if self.background_file and path_of(self.background_file).exists():
             self._read_background()
 
     @cached_property
     def _learned(self) -> LearnedBackground | None:
-        return load_background(Path(self.background_file)) if self.background_file else None
+        return load_background(path_of(self.background_file)) if self.background_file else None
 
     def _read_background(self) -> LearnedBackground | None:
         try:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.context import Context
@@ -23,7 +22,7 @@ from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.pairing import Pair
 from stereo_pick.core.parameter_groups import configured, declared
-from stereo_pick.core.params import parameter
+from stereo_pick.core.params import parameter, path_of
 from stereo_pick.core.rig import MAX_BASELINE_M
 from stereo_pick.ros.board_watch import BoardWatch, Progress
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
@@ -157,7 +156,7 @@ class CalibrationNode(StepNode):
         if self._run is None:
             return self._answer(response, False, "there is no calibration yet: call ~/finish first")
         try:
-            written = self._run.save(Path(self._options.output))
+            written = self._run.save(path_of(self._options.output))
         except StereoPickError as error:
             return self._answer(response, False, str(error))
         return self._answer(response, True, f"written: {', '.join(map(str, written))}")
@@ -184,7 +183,7 @@ def _check_chosen(options: CalibrationOptions) -> None:
         raise ParameterError("parameter square_m is 0: measure the side of one square, in metres")
     if not options.output:
         raise ParameterError("parameter output is empty: name the folder that ~/save writes to")
-    if Path(options.output).exists() and not Path(options.output).is_dir():
+    if path_of(options.output).exists() and not path_of(options.output).is_dir():
         raise ParameterError(f"parameter output = {options.output} is a file: name a folder")
 
 

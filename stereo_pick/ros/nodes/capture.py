@@ -6,7 +6,6 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 from rclpy.context import Context
 from rosgraph_msgs.msg import Clock
@@ -15,7 +14,7 @@ from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.images import FULL_SCALE_16
 from stereo_pick.core.pairing import MOST_OFFSET_S
 from stereo_pick.core.parameter_groups import configured, declared
-from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.core.params import Configurable, parameter, path_of
 from stereo_pick.ros.calibration_in_use import CalibrationInUse
 from stereo_pick.ros.messages.cameras import camera_info_message
 from stereo_pick.ros.messages.diagnostics import OK, PAIRS, WARN, Status
@@ -212,7 +211,7 @@ class CaptureNode(StepNode):
 
 def _opened(options: CaptureOptions) -> StereoSource:
     return open_source(
-        Path(options.source),
+        path_of(options.source),
         left_topic=options.left_topic,
         right_topic=options.right_topic,
         max_stamp_offset_s=options.max_stamp_offset_s,

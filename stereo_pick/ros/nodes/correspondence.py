@@ -14,6 +14,7 @@ from stereo_pick.core.correspondence.correspondences import collect
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.images import pixels
 from stereo_pick.core.parameter_groups import declared
+from stereo_pick.core.params import path_of
 from stereo_pick.core.refusal import REASONS, RIG_FAULTS, count_reasons
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.background_learning import BackgroundLearning
@@ -79,7 +80,7 @@ class CorrespondenceNode(JoinedNode):
 
     def _background_path(self) -> Path | None:
         file = self.steps.detector.background_file
-        return Path(file) if file else None
+        return path_of(file) if file else None
 
 
 def main(args: list[str] | None = None) -> int:

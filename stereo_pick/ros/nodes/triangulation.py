@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from rclpy.context import Context
@@ -13,7 +12,7 @@ from stereo_pick.core.calibration.record import load_record
 from stereo_pick.core.configuration import triangulation_groups
 from stereo_pick.core.hand_eye.files import load_hand_eye
 from stereo_pick.core.parameter_groups import configured, declared
-from stereo_pick.core.params import Configurable, parameter
+from stereo_pick.core.params import Configurable, parameter, path_of
 from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.positioning import Positioning
 from stereo_pick.core.refusal import count_reasons
@@ -74,6 +73,12 @@ class TriangulationNode(JoinedNode):
                 "camera_info: positions' covariance is without the calibration's; take both from one calibration"
             )
             return Status(WARN, message, values)
+        if not self._frame_id or self._frame_id.startswith("/"):
+            message = (
+                f"frame_id of the poses is {self._frame_id!r}, which tf2 takes for none: let the left camera's driver, "
+                "or the hand-eye file, name a frame, without a leading /"
+            )
+            return Status(WARN, message, values)
         return Status(OK, f"{len(self._last)} objects located, {len(self._last.refused)} refused", values)
 
     def process(self, messages: dict[str, Any], rig: StereoRig) -> None:
@@ -83,15 +88,15 @@ class TriangulationNode(JoinedNode):
         self._positioning.check(rig, frame_id)
         located = self.steps.locate(correspondences_of(message), rig, stamp_ns(message.header.stamp))
         self._last = self._positioning.place(located, rig)
-        frame_id = self._last.frame_id or frame_id
-        self._objects.publish(objects_message(self._last, frame_id))
-        self._poses.publish(pose_array_message(self._last, frame_id))
-        self._markers.publish(markers_message(self._last, frame_id))
+        self._frame_id = self._last.frame_id or frame_id
+        self._objects.publish(objects_message(self._last, self._frame_id))
+        self._poses.publish(pose_array_message(self._last, self._frame_id))
+        self._markers.publish(markers_message(self._last, self._frame_id))
 
 
 def _positioning(options: TriangulationOptions) -> Positioning:
-    record = load_record(Path(options.calibration_file)) if options.calibration_file else None
-    hand_eye = load_hand_eye(Path(options.hand_eye_file)) if options.hand_eye_file else None
+    record = load_record(path_of(options.calibration_file)) if options.calibration_file else None
+    hand_eye = load_hand_eye(path_of(options.hand_eye_file)) if options.hand_eye_file else None
     return Positioning(record, hand_eye)
 
 
