@@ -29,6 +29,7 @@ from stereo_pick.ros.topics import ANNOTATED, CAMERA_INFO_RECT, CLOCK, IMAGE_REC
 
 METHODS = ("feature", "ssd")
 TOLERANCE_M = 1e-6
+_RATE = 0.1  # of the bags' ten pairs a second: nodes keep up with it
 
 Positions = list[tuple[float, float, float]]
 
@@ -98,7 +99,7 @@ class Nodes:
         Only what is stamped since the source's start: of sources before it something may still be on its way.
         """
         graph, received = self.system.graph, self.received
-        values = {"source": source, "loop": True, "rate": 0.1, **values}
+        values = {"source": source, "loop": True, "rate": _RATE / slowness(), **values}
         start_ns = Recorded.start_ns_of(source)
         if not self.one_process:
             assert graph.set_parameter("correspondence", "method", method).successful
@@ -123,7 +124,7 @@ class Nodes:
         graph, start_ns = self.system.graph, Recorded.start_ns_of(bag)
         assert graph.set_parameter("correspondence", "method", method).successful
         for _ in range(3):
-            player = self.system.start_node("capture", {"source": bag, "rate": 0.1})
+            player = self.system.start_node("capture", {"source": bag, "rate": _RATE / slowness()})
             graph.wait(lambda player=player: not player.running(), "the end of the recording")
             assert player.wait() == 0, player.output
             graph.spin(DEADLINE_S, until=lambda: len(self.received.since(start_ns).positions()) == pairs)
@@ -283,7 +284,7 @@ def test_a_folder_of_image_pairs_gives_the_numbers_of_locate(
     pairs = [[folder / f"{side}{n:02}.png" for side in ("left", "right")] for n in (0, 1)]
     expected = [points(located(pair, DEMO_RIG, "feature", capsys)) for pair in pairs]
     assert [len(positions) for positions in expected] == [4, 4]
-    values = {"calibration": DEMO_RIG, "rate": 1.0, "folder_rate_hz": 1.0, "left_frame_id": "eye"}
+    values = {"calibration": DEMO_RIG, "rate": 1.0 / slowness(), "folder_rate_hz": 1.0, "left_frame_id": "eye"}
     received = nodes.replay(folder, "feature", 4, **values)
     arrays = [array for same_stamp in received.positions().values() for array in same_stamp]
     nearest = [int(np.argmin([np.abs(np.subtract(array, each)).max() for each in expected])) for array in arrays]
@@ -299,7 +300,7 @@ def test_a_method_changed_live_takes_effect(nodes: Nodes, tmp_path: Path) -> Non
     bag = Recorded.write(tmp_path / "bag", load_rig(DEMO_RIG), demo_pairs(2))
     expected = {method: offline(bag, method, tmp_path / f"{method}.jsonl") for method in METHODS}
     graph, received = nodes.system.graph, nodes.received
-    player = nodes.system.start_node("capture", {"source": bag, "loop": True, "rate": 0.1})
+    player = nodes.system.start_node("capture", {"source": bag, "loop": True, "rate": _RATE / slowness()})
     for method in ("ssd", "feature", "ssd"):
         assert graph.set_parameter("correspondence", "method", method).successful
         before = len(received.poses)
