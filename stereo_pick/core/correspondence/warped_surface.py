@@ -30,6 +30,7 @@ LEAST = 8  # windows
 _SIDE_PX, _STRIDE_PX = 11, 3
 _PLACED_PX = 0.05  # sigma that the edges in a window promise
 _BLUR_PX = 2  # beyond windows, where outlines still show
+_AROUND = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SIDE_PX + 2 * _BLUR_PX, _SIDE_PX + 2 * _BLUR_PX))
 _HIDDEN = 1e-3  # of the depth, by which a place behind the surface is hidden by it
 
 
@@ -37,7 +38,8 @@ _HIDDEN = 1e-3  # of the depth, by which a place behind the surface is hidden by
 class WarpedSurface:
     """The part (h, w) of the left view around a solid, less its mean; right: the right view, less the same; columns,
     rows: where in that the surface shows each pixel; usable: of which the windows show edges, on the surface and on
-    nothing else; share: the part that these are of all on the surface; within: which pixels of the right view are."""
+    nothing else; share: the part that these are of all on the surface; within: which pixels of the right view are;
+    corner_px: the upper left one."""
 
     left: Grey
     right: Grey
@@ -46,6 +48,7 @@ class WarpedSurface:
     usable: Bools
     share: float
     within: Image
+    corner_px: tuple[int, int]
 
     @staticmethod
     def of(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -> WarpedSurface | None:
@@ -70,11 +73,17 @@ class WarpedSurface:
         usable = tells & on_it
         share = float(usable.sum()) / max(int(on_it.sum()), 1)
         level = left.mean()  # without which squares in single precision are exact enough
-        return WarpedSurface(left - level, right - level, columns, rows, usable, share, within)
+        return WarpedSurface(left - level, right - level, columns, rows, usable, share, within, (int(x0), int(y0)))
 
     def windows(self, chosen: Bools) -> Ints:
         """The usable windows (N, 2), column and row, of which the middles are among these pixels (h, w)."""
         return on_grid(self.usable & chosen, _SIDE_PX, _SIDE_PX, _STRIDE_PX)
+
+    def clear_of(self, outline_px: Floats) -> Bools:
+        """Which pixels (h, w) are at the middle of windows outside an outline (M, 2) in the left view."""
+        covered = np.zeros(self.usable.shape, np.uint8)
+        cv2.fillPoly(covered, [np.round(outline_px - self.corner_px).astype(np.int32)], (1,))
+        return np.asarray(cv2.dilate(covered, _AROUND) == 0)
 
     def alike(self, off_px: float) -> Grey:
         """Correlation (h, w) of the windows with what the right view shows so far before the surface; -1 where that is
@@ -124,10 +133,9 @@ def _well_within(
     fit: SolidFit, others: Sequence[SolidFit], camera: Camera, corner_px: tuple[int, int], shape: tuple[int, ...]
 ) -> Image:
     """Where in a part (h, w) of a view, with that upper left corner, windows show a solid and no other: 1, else 0."""
-    around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SIDE_PX + 2 * _BLUR_PX, _SIDE_PX + 2 * _BLUR_PX))
     covered = [np.zeros(shape, np.uint8) for _ in range(2)]
     for which, each in [(0, fit), *((1, other) for other in others)]:
         outline = np.round(each.silhouette_px(camera) - corner_px).astype(np.int32)
         cv2.fillPoly(covered[which], [outline], (1,))
-    own = cv2.erode(covered[0], around, borderType=cv2.BORDER_CONSTANT, borderValue=(0,))
-    return np.where(cv2.dilate(covered[1], around) > 0, 0, own).astype(np.uint8)
+    own = cv2.erode(covered[0], _AROUND, borderType=cv2.BORDER_CONSTANT, borderValue=(0,))
+    return np.where(cv2.dilate(covered[1], _AROUND) > 0, 0, own).astype(np.uint8)

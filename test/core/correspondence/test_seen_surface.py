@@ -11,7 +11,7 @@ from rendered_solids import PLACED, RIG, rectified, solid_of
 from rendering import Box, Cylinder, HexPrism, Scene, Solid, Sphere
 from rigs import rotation
 
-from stereo_pick.core.correspondence.seen_surface import is_surface_seen
+from stereo_pick.core.correspondence.seen_surface import is_seen_beyond, is_surface_seen
 from stereo_pick.core.shapes import SolidFit
 
 PARTS: dict[str, Solid] = {
@@ -60,6 +60,21 @@ def test_a_solid_of_another_kind_bends_away_from_it(name: str, kind: str) -> Non
     fit = true_fit(scene, PARTS[name])
     size_m = fit.size_m if kind != "sphere" else np.full(3, np.median(fit.size_m))
     assert not is_surface_seen(rectified(RIG, scene), replace(fit, kind=kind, size_m=size_m), [])
+
+
+@pytest.mark.parametrize(("name", "axis"), [("standing", 2), ("lying", 2), ("hexprism", 2), ("box", 0), ("box", 1)])
+def test_of_a_piece_the_surface_is_seen_and_beyond_it_and_of_the_whole_not_beyond(name: str, axis: int) -> None:
+    part = type(PARTS[name])(
+        0.0, 0.0, tuple(np.multiply(1.6, PARTS[name].size_m)), 0.4, lying=name == "lying", texture=1.0
+    )
+    scene = Scene((part,), PLACED, ambient=0.5)
+    pair, whole = rectified(RIG, scene), true_fit(scene, part)
+    assert is_surface_seen(pair, whole, []) and not is_seen_beyond(pair, whole, [])
+    upper = np.sign(-whole.rotation[2, axis]) * whole.size_m[axis] / 5 * whole.rotation[:, axis]
+    piece = replace(
+        whole, size_m=whole.size_m * np.where(np.arange(3) == axis, 0.6, 1.0), centre_m=whole.centre_m + upper
+    )
+    assert is_surface_seen(pair, piece, []) and is_seen_beyond(pair, piece, [])
 
 
 def test_what_a_part_behind_another_shows_is_enough() -> None:
