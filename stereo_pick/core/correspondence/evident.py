@@ -10,6 +10,7 @@ import numpy as np
 from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond
 from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
+from stereo_pick.core.correspondence.seen_surface import is_seen_beyond, is_surface_seen
 from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import surely_on
@@ -22,6 +23,8 @@ from stereo_pick.core.shapes.table import Table
 _HALF = 1 / 2  # of its silhouette, for what its edges alone put on the table ...
 _KNOWN = 0.05  # ... as sure as this part of its size
 _DENIED = 1 / 20  # of a silhouette, with edges clearly beside it
+_BESIDE, _MOST_BESIDE = 1 / 10, 1 / 4  # ... of a solid with a pattern, which has edges of its own there
+_PATTERN_PX = 0.5  # by which its edges may be off
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +39,8 @@ class Evident:
     def is_clear(self, blobs: BlobPair, found: Supported, there: Adjusted, most_shown: float) -> bool:
         """Whether an object of these outlines is a solid, where all its edges put that; most_shown: of its silhouette,
         of any other solid that it may be."""
+        if self._shows_its_surface(blobs, there, most_shown):
+            return True
         if there.is_astray:
             return False
         return self._shows_itself(found, there, most_shown) or self._is_told(blobs, there, most_shown)
@@ -57,6 +62,17 @@ class Evident:
             return True
         is_half = there.shown > _HALF if is_ball else carries(*seen, _HALF, noise_px)
         return is_half and self._stands_by_itself(there.fit)
+
+    def _shows_its_surface(self, blobs: BlobPair, there: Adjusted, most_shown: float) -> bool:
+        """Whether its surface is seen where it is, and it ends where that does: half of its silhouette shows, about as
+        much as any other would, with few edges beside it, or its surface is not seen beyond; and there is nothing more
+        to the outlines. Edges are off by more where a pattern has some of its own beside them."""
+        if there.shown < max(_HALF, most_shown - CHANCE) or there.fit.residual_px > _PATTERN_PX:
+            return False
+        if there.denied > _MOST_BESIDE or goes_on_beyond(blobs, there.fit, self.images):
+            return False
+        seen = self.images.pair, there.fit, self.before
+        return is_surface_seen(*seen) and not (there.denied > _BESIDE and is_seen_beyond(*seen))
 
     def _is_told(self, blobs: BlobPair, there: Adjusted, most_shown: float) -> bool:
         """Whether it is told from all others, none of which shows more of its silhouette: its creases show and there is

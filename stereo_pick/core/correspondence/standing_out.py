@@ -8,164 +8,56 @@ nearer than the surface.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Sequence
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Bools, Floats, Image, Ints
-from stereo_pick.core.camera import Camera
-from stereo_pick.core.correspondence.table_windows import on_grid, pixels_around
-from stereo_pick.core.correspondence.texture import predicted_sigma_px
-from stereo_pick.core.correspondence.window import Grey
+from stereo_pick.core.arrays import Floats, Ints
+from stereo_pick.core.correspondence.warped_surface import LEAST, WarpedSurface
 from stereo_pick.core.frames import RectifiedPair
-from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.sampling import remapped
-from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
-from stereo_pick.core.shapes.surface import entered
 
-_SIDE_PX, _STRIDE_PX = 11, 3
-_PLACED_PX = 0.05  # sigma that the edges in a window promise
 _ALIKE = 0.7  # correlation
 _LEAD = 0.1  # of it, by which the best place must beat the surface, and what lies behind that
 _NEAREST_PX, _STEP_PX = 1.0, 0.5  # before the surface; the steps in which it is looked for
 _AGREE_PX = 1.5  # from what most of them say
-_LEAST = 8  # windows
-_BLUR_PX = 2  # beyond windows, where outlines still show
-_HIDDEN = 1e-3  # of the depth, by which a place behind the surface is hidden by it
 
 
 def stands_out(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -> bool:
     """Whether something is seen before a solid's surface that is none of the others."""
-    surface = _Surface.of(pair, fit, others)
+    surface = WarpedSurface.of(pair, fit, others)
     if surface is None:
         return False
-    places = surface.unlike()
-    if len(places) < _LEAST:
+    places = _unlike(surface)
+    if len(places) < LEAST:
         return False
-    out_px = surface.out_px(places)
-    if len(out_px) < _LEAST:
+    out_px = _out_px(surface, places, _most_px(fit, pair.rig))
+    if len(out_px) < LEAST:
         return False
-    return int((np.abs(out_px - np.median(out_px)) < _AGREE_PX).sum()) >= _LEAST
+    return int((np.abs(out_px - np.median(out_px)) < _AGREE_PX).sum()) >= LEAST
 
 
-@dataclass(frozen=True, eq=False)
-class _Surface:
-    """The part (h, w) of the left view around a solid, less its mean; right: the right view, less the same; columns,
-    rows: where in that the surface shows each pixel; usable: of which the windows show it and nothing else; within:
-    which pixels of the right view do; most_px: how far before it something of its size shows."""
-
-    left: Grey
-    right: Grey
-    columns: Grey
-    rows: Grey
-    usable: Bools
-    within: Image
-    most_px: float
-
-    @staticmethod
-    def of(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -> _Surface | None:
-        """None where too little of the solid is in the view, or shows anything."""
-        rig = pair.rig
-        outline = fit.silhouette_px(rig.left)
-        height, width = pair.left.shape
-        x0, y0 = np.maximum(np.floor(outline.min(axis=0)).astype(int), 0)
-        x1, y1 = np.minimum(np.ceil(outline.max(axis=0)).astype(int) + 1, (width, height))
-        if min(x1 - x0, y1 - y0) <= 2 * _SIDE_PX:
-            return None
-        left, right = pair.left[y0:y1, x0:x1].astype(np.float32), pair.right[y0:y1].astype(np.float32)
-        tells = predicted_sigma_px(left, noise_dn(left), _SIDE_PX, "zncc") < _PLACED_PX
-        usable = tells & (_well_within(fit, others, rig.left, (x0, y0), left.shape) > 0)
-        if len(on_grid(usable, _SIDE_PX, _SIDE_PX, _STRIDE_PX)) < _LEAST:
-            return None
-        column, row = np.meshgrid(np.arange(x0, x1, dtype=np.float64), np.arange(y0, y1, dtype=np.float64))
-        seen, there = _in_the_right_view(fit, rig, np.stack([column, row], axis=-1).reshape(-1, 2))
-        columns, rows = there.reshape(left.shape).astype(np.float32), (row - y0).astype(np.float32)
-        within = _well_within(fit, others, rig.right, (0, y0), right.shape)
-        usable &= seen.reshape(left.shape) & (cv2.remap(within, columns, rows, cv2.INTER_NEAREST) > 0)
-        level = left.mean()  # without which squares in single precision are exact enough
-        return _Surface(left - level, right - level, columns, rows, usable, within, _most_px(fit, rig))
-
-    def unlike(self) -> Ints:
-        """The windows (N, 2), column and row, that are not alike where the surface shows them."""
-        alike = np.max([self._alike(off) for off in (-_STEP_PX, 0.0, _STEP_PX)], axis=0)
-        return on_grid(self.usable & (alike < _ALIKE), _SIDE_PX, _SIDE_PX, _STRIDE_PX)
-
-    def out_px(self, places: Ints) -> Floats:
-        """By how much (M,) the disparity of those of these is more than the surface's that are seen before it; of none
-        where these are too few to say anything, whatever lies behind."""
-        offs = np.arange(-self.most_px, self.most_px + _STEP_PX, _STEP_PX)
-        before, behind = offs[offs >= _NEAREST_PX], offs[offs < _NEAREST_PX]
-        if not len(before):
-            return np.zeros(0)
-        alike = np.array([self._alike_at(places, off) for off in before])
-        best = alike.max(axis=0)
-        likely = np.flatnonzero(best > _ALIKE)
-        if len(likely) < _LEAST:
-            return np.zeros(0)
-        back = np.max([self._alike_at(places[likely], off) for off in behind], axis=0)
-        return np.asarray(before[alike.argmax(axis=0)[likely]][best[likely] > back + _LEAD])
-
-    def _alike(self, off_px: float) -> Grey:
-        """Correlation (h, w) of the windows with what the right view shows so far before the surface; -1 where that is
-        not within the solid."""
-        there = cv2.remap(self.right, self.columns - np.float32(off_px), self.rows, cv2.INTER_CUBIC)
-        within = cv2.remap(self.within, self.columns - np.float32(off_px), self.rows, cv2.INTER_NEAREST)
-        alike = _correlation(self.left, np.asarray(there, np.float32), _means_around)
-        return np.asarray(np.where(within > 0, alike, -1), np.float32)
-
-    def _alike_at(self, places: Ints, off_px: float) -> Grey:
-        """The same (N,) of the windows at some places (N, 2), column and row."""
-        x, y = places.T
-        if len(places) * _SIDE_PX**2 > self.left.size:
-            return np.asarray(self._alike(off_px)[y, x])
-        around = pixels_around(places, _SIDE_PX)
-        points = np.stack([self.columns[around] - np.float32(off_px), self.rows[around]], axis=-1)
-        there = remapped(self.right, points, cv2.BORDER_CONSTANT, cv2.INTER_CUBIC)
-        middle = points[:, _SIDE_PX**2 // 2, None]
-        within = remapped(self.within, middle, cv2.BORDER_CONSTANT, cv2.INTER_NEAREST)[:, 0]
-        alike = _correlation(self.left[around], there, lambda grey: grey.mean(axis=1))
-        return np.asarray(np.where(within > 0, alike, -1), np.float32)
+def _unlike(surface: WarpedSurface) -> Ints:
+    """The windows (N, 2), column and row, that are not alike where the surface shows them."""
+    alike = np.max([surface.alike(off) for off in (-_STEP_PX, 0.0, _STEP_PX)], axis=0)
+    return surface.windows(alike < _ALIKE)
 
 
-def _correlation(one: Grey, other: Grey, mean: Callable[[Grey], NDArray[Any]]) -> Grey:
-    """Of windows of one view with those of the other; mean: of each window."""
-    means = [mean(each) for each in (one, other)]
-    squares = [mean(each * each) - m * m for each, m in zip((one, other), means)]
-    both = mean(one * other) - means[0] * means[1]
-    return np.asarray(both / np.sqrt(np.maximum(squares[0] * squares[1], np.float32(1e-6))), np.float32)
-
-
-def _means_around(grey: Grey) -> Grey:
-    return np.asarray(cv2.boxFilter(grey, -1, (_SIDE_PX, _SIDE_PX)), np.float32)
-
-
-def _in_the_right_view(fit: SolidFit, rig: StereoRig, places_px: Floats) -> tuple[Bools, Floats]:
-    """Whether the right camera sees what the left one sees of a solid at these places (N, 2), and in which column."""
-    ahead = np.c_[normalized(places_px, rig.left), np.ones(len(places_px))]
-    left_eye, right_eye = rig.eyes_m
-    depth_m = entered(fit, left_eye, ahead)
-    share = entered(fit, right_eye, ahead * depth_m[:, None] - right_eye)
-    shift_px = rig.left.P[0, 2] - rig.right.P[0, 2] + rig.focal_px * rig.baseline_m / depth_m
-    return np.asarray(share > 1 - _HIDDEN), np.nan_to_num(places_px[:, 0] - shift_px, nan=-1.0)
-
-
-def _well_within(
-    fit: SolidFit, others: Sequence[SolidFit], camera: Camera, corner_px: tuple[int, int], shape: tuple[int, ...]
-) -> Image:
-    """Where in a part (h, w) of a view, with that upper left corner, windows show a solid and no other: 1, else 0."""
-    around = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SIDE_PX + 2 * _BLUR_PX, _SIDE_PX + 2 * _BLUR_PX))
-    covered = [np.zeros(shape, np.uint8) for _ in range(2)]
-    for which, each in [(0, fit), *((1, other) for other in others)]:
-        outline = np.round(each.silhouette_px(camera) - corner_px).astype(np.int32)
-        cv2.fillPoly(covered[which], [outline], (1,))
-    own = cv2.erode(covered[0], around, borderType=cv2.BORDER_CONSTANT, borderValue=(0,))
-    return np.where(cv2.dilate(covered[1], around) > 0, 0, own).astype(np.uint8)
+def _out_px(surface: WarpedSurface, places: Ints, most_px: float) -> Floats:
+    """By how much (M,) the disparity of those of these is more than the surface's that are seen before it; of none
+    where these are too few to say anything, whatever lies behind."""
+    offs = np.arange(-most_px, most_px + _STEP_PX, _STEP_PX)
+    before, behind = offs[offs >= _NEAREST_PX], offs[offs < _NEAREST_PX]
+    if not len(before):
+        return np.zeros(0)
+    alike = np.array([surface.alike_at(places, off) for off in before])
+    best = alike.max(axis=0)
+    likely = np.flatnonzero(best > _ALIKE)
+    if len(likely) < LEAST:
+        return np.zeros(0)
+    back = np.max([surface.alike_at(places[likely], off) for off in behind], axis=0)
+    return np.asarray(before[alike.argmax(axis=0)[likely]][best[likely] > back + _LEAD])
 
 
 def _most_px(fit: SolidFit, rig: StereoRig) -> float:

@@ -24,7 +24,8 @@ TABLE = Table(NORMAL, -float(NORMAL @ RIG.left.R @ PLACED.translation), 5e-4)
 @dataclass(frozen=True)
 class Case:
     """part: which; shown, creased, denied, most_shown: as of `Evident`; off_px: how far it lies off its edges; goes_on:
-    whether there is more to its outlines; stands: whether its edges alone put it on the table."""
+    whether there is more to its outlines; stands: whether its edges alone put it on the table;
+    seen, beyond: whether its surface is seen where it is, and beyond that."""
 
     part: str = "box"
     shown: float = 0.7
@@ -34,6 +35,8 @@ class Case:
     off_px: float = 0.25
     goes_on: bool = False
     stands: bool = False
+    seen: bool = False
+    beyond: bool = False
 
 
 @pytest.mark.parametrize(
@@ -51,6 +54,14 @@ class Case:
         (Case(creased=0.5, denied=0.03, stands=True), False),
         (Case("lying", creased=0.5, denied=0.03, stands=True), True),
         (Case("lying", creased=0.5, denied=0.03, stands=False), False),
+        (Case(creased=0.1, denied=0.08, off_px=0.4, seen=True), True),
+        (Case(creased=0.1, denied=0.2, off_px=0.4, seen=True), True),
+        (Case(creased=0.1, denied=0.2, off_px=0.4, seen=True, beyond=True), False),
+        (Case(creased=0.1, denied=0.3, off_px=0.4, seen=True), False),
+        (Case(creased=0.1, denied=0.08, off_px=0.6, seen=True), False),
+        (Case(creased=0.1, denied=0.08, most_shown=0.8, seen=True), False),
+        (Case(creased=0.1, denied=0.08, shown=0.45, most_shown=0.2, seen=True), False),
+        (Case(creased=0.1, denied=0.08, goes_on=True, seen=True), False),
     ],
     ids=[
         "its creases show",
@@ -65,6 +76,14 @@ class Case:
         "and it stands by itself, but as a box with its creases",
         "and as a cylinder, with ends as bright as its side",
         "which does not stand",
+        "its pattern is seen",
+        "with edges beside it",
+        "and beyond it",
+        "with too many beside it",
+        "but its edges are far off",
+        "but another shows more than it",
+        "but its silhouette hardly shows",
+        "but it goes on",
     ],
 )
 def test_what_is_not_exactly_on_its_edges_is_told_from_all_else(
@@ -78,6 +97,8 @@ def test_what_is_not_exactly_on_its_edges_is_told_from_all_else(
     there = Adjusted(fit, case.shown, case.creased, True, case.denied)
     alone = fit if case.stands else replace(fit, centre_m=fit.centre_m + 0.01 * NORMAL)
     monkeypatch.setattr(evident, "adjusted", lambda *_, **__: ([replace(there, fit=alone)], None))
+    monkeypatch.setattr(evident, "is_surface_seen", lambda *_: case.seen)
+    monkeypatch.setattr(evident, "is_seen_beyond", lambda *_: case.beyond)
     monkeypatch.setattr(evident, "goes_on_beyond", lambda *_: case.goes_on)
     found = Supported(fit, 0.6, case.off_px, believable=False)
     look = Evident(Images(pair), TABLE, [])

@@ -10,7 +10,8 @@ from rendering import Box, Cylinder, HexPrism, Scene, Solid, Sphere
 from rendering.rigs import table_before
 
 from stereo_pick.core.correspondence.feature import Feature
-from stereo_pick.core.correspondence.standing_out import _Surface, stands_out
+from stereo_pick.core.correspondence.standing_out import stands_out
+from stereo_pick.core.correspondence.warped_surface import WarpedSurface
 from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.shapes import SolidFit
 
@@ -61,12 +62,12 @@ def test_nothing_stands_out_of_a_part_that_is_all_there_is(name: str, gloss: flo
 def test_few_windows_are_as_alike_as_all_of_them_are_there(off_px: float) -> None:
     part = Box(0.0, 0.0, (0.05, 0.06, 0.04), yaw_rad=0.4, texture=1.0)
     scene = Scene((part,), PLACED, ambient=0.5)
-    surface = _Surface.of(rectified(RIG, scene), fitted(scene, part), [])
+    surface = WarpedSurface.of(rectified(RIG, scene), fitted(scene, part), [])
     assert surface is not None
-    every = surface._alike(off_px)
+    every = surface.alike(off_px)
     rows, columns = np.nonzero(surface.usable)
     some = np.stack([columns, rows], axis=1)[:: max(1, len(rows) // 40)]
-    few = surface._alike_at(some, off_px)
+    few = surface.alike_at(some, off_px)
     assert len(some) * 121 < every.size and (few > -1).any()
     assert few == pytest.approx(every[some[:, 1], some[:, 0]], abs=1e-3)
 
