@@ -31,8 +31,7 @@ class Statuses(Chain):
     def __init__(self, **statuses: int | None) -> None:
         super().__init__()
         self._processes = {
-            name: SimpleNamespace(poll=lambda status=status: status)  # type: ignore[misc]
-            for name, status in statuses.items()
+            name: SimpleNamespace(poll=lambda status=status: status) for name, status in statuses.items()
         }
 
 

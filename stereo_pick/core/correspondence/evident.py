@@ -39,11 +39,11 @@ class Evident:
     def is_clear(self, blobs: BlobPair, found: Supported, there: Adjusted, most_shown: float) -> bool:
         """Whether an object of these outlines is a solid, where all its edges put that; most_shown: of its silhouette,
         of any other solid that it may be."""
-        if self._shows_its_surface(blobs, there, most_shown):
+        if not there.is_astray and (
+            self._shows_itself(found, there, most_shown) or self._is_told(blobs, there, most_shown)
+        ):
             return True
-        if there.is_astray:
-            return False
-        return self._shows_itself(found, there, most_shown) or self._is_told(blobs, there, most_shown)
+        return self._shows_its_surface(blobs, there, most_shown)
 
     def _shows_itself(self, found: Supported, there: Adjusted, most_shown: float) -> bool:
         """Whether it shows most of its silhouette, about as much as any other would, and its creases if it has any; or
