@@ -37,8 +37,8 @@ class Evident:
     before: Sequence[SolidFit]
 
     def is_clear(self, blobs: BlobPair, found: Supported, there: Adjusted, most_shown: float) -> bool:
-        """Whether an object of these outlines is a solid, where all its edges put that; most_shown: of its silhouette,
-        of any other solid that it may be."""
+        """Whether an object of these outlines is a solid, where all its edges put that, by them or by its pattern;
+        most_shown: of its silhouette, of any other solid that it may be."""
         if not there.is_astray and (
             self._shows_itself(found, there, most_shown) or self._is_told(blobs, there, most_shown)
         ):

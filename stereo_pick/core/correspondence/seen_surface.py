@@ -13,14 +13,13 @@ from dataclasses import replace
 import numpy as np
 
 from stereo_pick.core.arrays import Bools, Floats
-from stereo_pick.core.correspondence.warped_surface import LEAST, WarpedSurface
+from stereo_pick.core.correspondence.warped_surface import ALIKE, LEAST, WarpedSurface
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.edge_model import vertex
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.kinds import BOX, SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
-_ALIKE = 0.7  # correlation
 _REACH_PX, _STEP_PX = 2.0, 0.5  # of disparity, before and behind the surface: how far, in which steps, is looked
 _TOGETHER_PX = 0.5  # by which all of it may be off
 _APART_PX = 0.25  # ... and each window from that: a surface of another kind bends away by more
@@ -78,4 +77,4 @@ def _nearer_px(surface: WarpedSurface, chosen: Bools) -> tuple[Floats, Bools]:
     each = np.arange(len(places))
     best = np.clip(alike.argmax(axis=0), 1, len(offs_px) - 2)
     before, at, after = (-alike[best + step, each] for step in (-1, 0, 1))
-    return offs_px[best] + _STEP_PX * vertex(before, at, after), -at > _ALIKE
+    return offs_px[best] + _STEP_PX * vertex(before, at, after), -at > ALIKE

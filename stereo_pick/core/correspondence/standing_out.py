@@ -13,13 +13,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints
-from stereo_pick.core.correspondence.warped_surface import LEAST, WarpedSurface
+from stereo_pick.core.correspondence.warped_surface import ALIKE, LEAST, WarpedSurface
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
-_ALIKE = 0.7  # correlation
-_LEAD = 0.1  # of it, by which the best place must beat the surface, and what lies behind that
+_LEAD = 0.1  # of correlation, by which the best place must beat the surface, and what lies behind that
 _NEAREST_PX, _STEP_PX = 1.0, 0.5  # before the surface; the steps in which it is looked for
 _AGREE_PX = 1.5  # from what most of them say
 
@@ -41,7 +40,7 @@ def stands_out(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -
 def _unlike(surface: WarpedSurface) -> Ints:
     """The windows (N, 2), column and row, that are not alike where the surface shows them."""
     alike = np.max([surface.alike(off) for off in (-_STEP_PX, 0.0, _STEP_PX)], axis=0)
-    return surface.windows(alike < _ALIKE)
+    return surface.windows(alike < ALIKE)
 
 
 def _out_px(surface: WarpedSurface, places: Ints, most_px: float) -> Floats:
@@ -53,7 +52,7 @@ def _out_px(surface: WarpedSurface, places: Ints, most_px: float) -> Floats:
         return np.zeros(0)
     alike = np.array([surface.alike_at(places, off) for off in before])
     best = alike.max(axis=0)
-    likely = np.flatnonzero(best > _ALIKE)
+    likely = np.flatnonzero(best > ALIKE)
     if len(likely) < LEAST:
         return np.zeros(0)
     back = np.max([surface.alike_at(places[likely], off) for off in behind], axis=0)

@@ -26,6 +26,7 @@ from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.surface import entered
 
+ALIKE = 0.7  # correlation of windows that show the same
 LEAST = 8  # windows
 _SIDE_PX, _STRIDE_PX = 11, 3
 _PLACED_PX = 0.05  # sigma that the edges in a window promise
