@@ -57,6 +57,7 @@ class RawPairs:
         self._node = node
         self._paired = paired
         self._last_ns: dict[str, int] = {}
+        self._since_ns: dict[Side, list[int]] = {side: [] for side in SIDES}  # of each: the other's next two images
         self._order = StampOrder()
         self._faults: dict[str, str] = {}
         self._before: Pair[Image] | None = None
@@ -72,6 +73,8 @@ class RawPairs:
         """Pair by this offset of the stamps from now on."""
         self._first_ns: int | None = None
         self._last_ns.clear()
+        for others in self._since_ns.values():
+            others.clear()
         self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9))
         self._recent: deque[bool] = deque(maxlen=_RECENT)
 
@@ -152,14 +155,20 @@ class RawPairs:
         )
 
     def _silent(self) -> list[Side]:
-        """Both sides where nothing comes any more, or the one that the other has left behind."""
-        latest_ns = max(self._last_ns.values())
-        since_ns = self._now_ns() if self._now_ns() - latest_ns > _SILENT_AFTER_S * 1e9 else latest_ns
-        return [side for side in SIDES if since_ns - self._last_ns[side] > _SILENT_AFTER_S * 1e9]
+        """Both sides where nothing comes any more, or the one that the other has left behind: by two images, since one
+        is the partner of its last, and the second one's own may be on its way, however seldom they come."""
+        long_ago_ns = self._now_ns() - _SILENT_AFTER_S * 1e9
+        if max(self._last_ns.values()) < long_ago_ns:
+            return list(SIDES)
+        return [side for side in SIDES if len(self._since_ns[side]) == 2 and self._since_ns[side][1] < long_ago_ns]
 
     def _add(self, side: Side, message: Image) -> None:
         self._last_ns[side] = self._now_ns()
         self._first_ns = self._first_ns or self._last_ns[side]
+        self._since_ns[side].clear()
+        for other in SIDES:
+            if other != side and len(self._since_ns[other]) < 2:
+                self._since_ns[other].append(self._last_ns[side])
         taken_ns = stamp_ns(message.header.stamp)
         fault = self._order.fault(side, taken_ns)
         if fault is not None:

@@ -1,0 +1,72 @@
+"""Which camera is silent, by a clock of the test's own."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stereo_pick.core.pairing import Side
+from stereo_pick.ros.messages.diagnostics import ERROR
+from stereo_pick.ros.messages.images import image_message
+from stereo_pick.ros.raw_pairs import RawPairs
+from stereo_pick.ros.topics import SIDES
+
+SECOND_NS = 10**9
+START_NS = 1_760_000_000 * SECOND_NS
+
+
+class Driver:
+    """Two cameras that send to `pairs`; now_ns: since the start."""
+
+    def __init__(self) -> None:
+        self.now_ns = 0
+        clock = SimpleNamespace(now=lambda: SimpleNamespace(nanoseconds=self.now_ns))
+        self.node: Any = SimpleNamespace(
+            steady_clock=clock,
+            resolve_topic_name=lambda name: f"/{name}",
+            get_publishers_info_by_topic=lambda _topic: [],
+            mixed=lambda: None,
+        )
+        self.pairs = RawPairs(self.node, lambda _pair: None)
+        self.pairs.restart(0.01)
+
+    def send(self, side: Side, later_ns: int = 0) -> None:
+        grey = np.full((4, 4), self.now_ns % 251, np.uint8)
+        self.pairs._add(side, image_message(grey, START_NS + self.now_ns + later_ns, side))
+
+    def errors(self) -> list[str]:
+        status = self.pairs.trouble()
+        return [status.message] if status is not None and status.level == ERROR else []
+
+
+@pytest.mark.parametrize("period_s", [0.1, 5])
+@pytest.mark.parametrize("first", SIDES)
+@pytest.mark.parametrize("later_ns", [0, 5_000_000])
+def test_cameras_that_send_seldom_are_never_silent_between_left_and_right(
+    period_s: float, first: Side, later_ns: int
+) -> None:
+    driver = Driver()
+    for _ in range(10):
+        driver.now_ns += round(period_s * SECOND_NS)
+        for side in sorted(SIDES, key=lambda each: each != first):
+            driver.send(side, later_ns * (side == "right"))
+            if driver.pairs.counts.pairs:
+                assert driver.errors() == []
+
+
+@pytest.mark.parametrize(("period_s", "within_s"), [(0.1, 2.5), (5, 16)])
+@pytest.mark.parametrize(("alive", "dead"), [SIDES, SIDES[::-1]])
+def test_one_that_has_died_is_named_alone(alive: Side, dead: Side, period_s: float, within_s: float) -> None:
+    driver = Driver()
+    for side in SIDES:
+        driver.send(side)
+    errors: list[str] = []
+    while not errors and driver.now_ns < within_s * SECOND_NS:
+        driver.now_ns += round(period_s * SECOND_NS)
+        driver.send(alive)
+        errors = driver.errors()
+    (line,) = errors
+    assert f"no image on /{dead}/image_raw any more" in line and f"/{alive}/" not in line
