@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond
+from stereo_pick.core.correspondence.patterned import PATTERN_PX
 from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.correspondence.seen_surface import is_seen_beyond, is_surface_seen
@@ -24,7 +25,6 @@ _HALF = 1 / 2  # of its silhouette, for what its edges alone put on the table ..
 _KNOWN = 0.05  # ... as sure as this part of its size
 _DENIED = 1 / 20  # of a silhouette, with edges clearly beside it
 _BESIDE, _MOST_BESIDE = 1 / 10, 1 / 4  # ... of a solid with a pattern, which has edges of its own there
-_PATTERN_PX = 0.5  # by which its edges may be off
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Evident:
             self._shows_itself(found, there, most_shown) or self._is_told(blobs, there, most_shown)
         ):
             return True
-        return self._shows_its_surface(blobs, there, most_shown)
+        return self.shows_its_surface(blobs, there, most_shown)
 
     def _shows_itself(self, found: Supported, there: Adjusted, most_shown: float) -> bool:
         """Whether it shows most of its silhouette, about as much as any other would, and its creases if it has any; or
@@ -63,11 +63,11 @@ class Evident:
         is_half = there.shown > _HALF if is_ball else carries(*seen, _HALF, noise_px)
         return is_half and self._stands_by_itself(there.fit)
 
-    def _shows_its_surface(self, blobs: BlobPair, there: Adjusted, most_shown: float) -> bool:
+    def shows_its_surface(self, blobs: BlobPair, there: Adjusted, most_shown: float) -> bool:
         """Whether its surface is seen where it is, and it ends where that does: half of its silhouette shows, about as
         much as any other would, with few edges beside it, or its surface is not seen beyond; and there is nothing more
         to the outlines. Edges are off by more where a pattern has some of its own beside them."""
-        if there.shown < max(_HALF, most_shown - CHANCE) or there.fit.residual_px > _PATTERN_PX:
+        if there.shown < max(_HALF, most_shown - CHANCE) or there.fit.residual_px > PATTERN_PX:
             return False
         if there.denied > _MOST_BESIDE or goes_on_beyond(blobs, there.fit, self.images):
             return False

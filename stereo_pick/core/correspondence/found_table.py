@@ -9,6 +9,7 @@ from typing import NamedTuple
 from stereo_pick.core.correspondence.last_look import LastLook
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.on_table import OnTable, is_sure
+from stereo_pick.core.correspondence.patterned import near_outlines, patterned
 from stereo_pick.core.correspondence.position import BlobPair, Row
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjustment import adjusted
@@ -99,9 +100,12 @@ class TableSearch:
         return [fit for _, fit in self.faces]
 
     def _bodies(self) -> list[SolidFit]:
-        """The solids, on whatever table, that the edges of both views support for the pairs."""
+        """The solids, on whatever table, that the edges of both views, or patterns, support for the pairs."""
         readings = [each for each in map(convex_outlines, self.pairs) if can_be_fitted(each)]
-        found = self.images.best([[each] for each in readings])
+        found = [
+            each or next(patterned(self.images, near_outlines(self.images, reading), []), None)
+            for each, reading in zip(self.images.best([[each] for each in readings]), readings)
+        ]
         return [each.fit for each in found if each is not None and not is_flat(each.fit, TOP)]
 
     def _below_faces(self, fits: Sequence[SolidFit]) -> Table | None:

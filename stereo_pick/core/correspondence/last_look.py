@@ -7,7 +7,7 @@ for that, as of a ball lit from one side, where its edges alone put it on the ta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from stereo_pick.core.correspondence.evident import Evident
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.located import convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import clash, goes_on_as, is_where, reach_into_each_other
+from stereo_pick.core.correspondence.patterned import patterned
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.correspondence.second_thoughts import CREASED
 from stereo_pick.core.objects import Blob
@@ -60,13 +61,16 @@ class LastLook:
     def at(self, blobs: BlobPair, others: Sequence[SolidFit], shown: float = 0.0) -> Seen | None:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there
         is none, or where it is open which it is. shown: of its silhouette, as what it was taken for."""
-        free = self._free_ones(self._hinted(blobs) + self._around(blobs), others)
-        return self._best_of(blobs, others, free, self._clear_ones(blobs, free, shown), shown)
+        candidates = self._hinted(blobs) + self._around(blobs)
+        free = self._free_ones(nearly(self.images, candidates, self.table), others)
+        clear = self._clear_ones(blobs, free, shown) or self._clear_by_pattern(blobs, candidates, others, free, shown)
+        return self._best_of(blobs, others, free, clear, shown)
 
     def instead(self, blobs: BlobPair, others: Sequence[SolidFit], found: Adjusted) -> tuple[Seen | None, Floats]:
         """What shows clearly more of itself than what an object was found to be, if anything does; and how far (3,) [m]
         from that the farthest of those is that show as much, as it may be any of them."""
-        free = self._free_ones(self._hinted(blobs) + self._around(blobs), others)
+        candidates = self._hinted(blobs) + self._around(blobs)
+        free = self._free_ones(nearly(self.images, candidates, self.table), others)
         clear = self._clear_ones(blobs, free, found.shown)
         another = self._best_of(blobs, others, free, clear, found.shown)
         if another is not None and another[1].is_clear and another[1].shown > found.shown + CHANCE:
@@ -82,6 +86,20 @@ class LastLook:
             for one in free
             if self._evident.is_clear(blobs, *one, _most_shown([each for each in free if each is not one], shown))
         ]
+
+    def _clear_by_pattern(
+        self,
+        blobs: BlobPair,
+        candidates: Sequence[Solids],
+        others: Sequence[SolidFit],
+        free: Sequence[Found],
+        shown: float,
+    ) -> list[Found]:
+        """The same of candidates of which the pattern is seen, but edges are off by more than those of plain ones."""
+        locked = self.images.all_locked(candidates, self.table)
+        found = patterned(self.images, [each for each in locked if not each.raises_doubt], self.before)
+        several = self._free_ones(found, others)
+        return [one for one in several if self._evident.shows_its_surface(blobs, one[1], _most_shown(free, shown))]
 
     def _best_of(
         self, blobs: BlobPair, others: Sequence[SolidFit], free: Sequence[Found], clear: Sequence[Found], shown: float
@@ -122,10 +140,10 @@ class LastLook:
         several = dict.fromkeys([clear_of(blobs, self.images), blobs])
         return [each for one in several for each in standing_candidates(self.images, convex_outlines(one), self.table)]
 
-    def _free_ones(self, candidates: Sequence[Solids], others: Sequence[SolidFit]) -> list[Found]:
+    def _free_ones(self, candidates: Iterable[Supported], others: Sequence[SolidFit]) -> list[Found]:
         """The best of these, each another one, that lie on edges where there is room, and where all edges put them."""
         found: list[Found] = []
-        for each in nearly(self.images, candidates, self.table):
+        for each in candidates:
             if len(found) == _LOOKED_AT:
                 break
             if any(each.fit.kind == other.fit.kind and agree(each.fit, other.fit) for other, _ in found):
