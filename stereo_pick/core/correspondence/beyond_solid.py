@@ -37,6 +37,14 @@ def is_seen_alone(unread: Unread, fit: SolidFit, images: Images) -> bool:
     return covers(fit, blob.centroid_px, camera) and not _shows_more(blob, camera, polygon)
 
 
+def is_part_of(unread: Unread, fit: SolidFit, images: Images) -> bool:
+    """Whether what is refused is a piece of the solid, or all of it, and nothing more."""
+    if unread.left is None or unread.right is None:
+        return is_seen_alone(unread, fit, images)
+    middle_px = unread.left.centroid_px
+    return covers(fit, middle_px, images.rig.left) and not goes_on_beyond((unread.left, unread.right), fit, images)
+
+
 def _shows_more(blob: Blob, camera: Camera, polygon: Floats) -> bool:
     """Whether part of an outline is sharp, as far as that was measured, and lies clear of a silhouette (K, 2),
     normalized."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_seen_alone
+from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone
 from stereo_pick.core.correspondence.carried import without_edges
 from stereo_pick.core.correspondence.inscribed import discs_within
 from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
@@ -41,15 +41,24 @@ def found_after_all(
         another = _found(look, warped, piece, _fits(found))
         if another is not None:
             found.append(_by_itself(another, images.rig))
-    return found + _within(look, warped, refused, found), refused
+    found += _within(look, warped, refused, found)
+    for risen in warped.risen(_fits(found)):
+        another = _unless_marks(warped, look.at_risen(risen, _fits(found)))
+        if another is not None:
+            found.append(_by_itself(another, images.rig))
+            refused = [each for each in refused if not is_part_of(each, another[1].fit, images)]
+    return found, refused
 
 
 def _found(look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
-    """What was refused, if something rises from the table there, and a solid is found instead that is told from marks
-    on the table, and not these in its place."""
+    """What was refused, if something rises from the table there, and a solid is found instead."""
     if unread.left and warped.shows_nothing_rise(unread.left, others):
         return None
-    seen = look.at_refused(unread, others)
+    return _unless_marks(warped, look.at_refused(unread, others))
+
+
+def _unless_marks(warped: WarpedViews, seen: Seen | None) -> Seen | None:
+    """A solid that is told from marks on the table, and not these in its place."""
     if seen is None or not warped.is_told_from_marks(seen[1].fit) or warped.is_seen_in_place_of(seen[1].fit):
         return None
     return seen

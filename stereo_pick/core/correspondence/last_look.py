@@ -21,6 +21,7 @@ from stereo_pick.core.correspondence.located import convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import clash, goes_on_as, is_where, reach_into_each_other
 from stereo_pick.core.correspondence.patterned import patterned
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
+from stereo_pick.core.correspondence.risen import Risen
 from stereo_pick.core.correspondence.second_thoughts import CREASED
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes.adjusted import Adjusted
@@ -61,7 +62,18 @@ class LastLook:
     def at(self, blobs: BlobPair, others: Sequence[SolidFit], shown: float = 0.0) -> Seen | None:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there
         is none, or where it is open which it is. shown: of its silhouette, as what it was taken for."""
-        candidates = self._hinted(blobs) + self._around(blobs)
+        return self._among(self._hinted(blobs) + self._around(blobs), blobs, others, shown)
+
+    def at_risen(self, risen: Risen, others: Sequence[SolidFit]) -> Seen | None:
+        """The same of what rises from the table."""
+        blobs = risen.blobs
+        candidates = risen.solids(self.images.rig, self.table) + self._around(blobs)
+        return self._among(candidates, blobs, others, 0.0)
+
+    def _among(
+        self, candidates: Sequence[Solids], blobs: BlobPair, others: Sequence[SolidFit], shown: float
+    ) -> Seen | None:
+        """The same of these candidates."""
         free = self._free_ones(nearly(self.images, candidates, self.table), others)
         clear = self._clear_ones(blobs, free, shown) or self._clear_by_pattern(blobs, candidates, others, free, shown)
         return self._best_of(blobs, others, free, clear, shown)

@@ -13,12 +13,15 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.arrays import Bools, Floats, Ints
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.plane_alignment import off_plane
+from stereo_pick.core.correspondence.risen import Risen, most_of
 from stereo_pick.core.correspondence.table_windows import (
     Windows,
+    at_full_size,
     clear_of_objects,
+    matches,
     on_grid,
     pixels_around,
     reduced,
@@ -123,21 +126,48 @@ class WarpedViews:
 
     def rising(self, outline: Blob, solids: Sequence[SolidFit]) -> list[Floats]:
         """Hulls (K, 2) [px] of what an outline in the left view shows clear of the solids that is not on the table."""
+        pieces = self._pieces_off_table(self._beside(outline, solids))
+        hulls = [cv2.convexHull(piece.astype(np.float32))[:, 0] for piece in pieces]
+        return [at_full_size(hull.astype(np.float64), self._seen.scale) for hull in hulls if len(hull) > 2]
+
+    def risen(self, solids: Sequence[SolidFit]) -> list[Risen]:
+        """All that the left view shows clear of the solids that is not on the table, and that the right one shows as
+        well, before it; the largest first."""
         seen = self._seen
-        column, row = seen.left[self._beside(outline, solids) & ~seen.lies].astype(int).T
+        pieces = sorted(self._pieces_off_table(self._clear_of_all(solids) & seen.itself), key=len, reverse=True)
+        found = [matches(seen.view, seen.right_view, each, (_SIDE_PX, _SIDE_PX), self._reach_px(each)) for each in pieces]
+        return [Risen(each, seen.scale, _SIDE_PX, _STRIDE_PX) for each in map(most_of, found) if len(each.disparity_px) >= _LEAST]
+
+    def _reach_px(self, places: Ints) -> tuple[float, float]:
+        """The disparities between which what rises at places (N, 2) is looked for: from the table to halfway to the
+        cameras."""
+        rig, scale = self.pair.rig, self._seen.scale
+        table_px = np.c_[places, np.ones(len(places))] @ of_table(self.table, rig, scale)
+        apart_px = scale * (rig.left.P[0, 2] - rig.right.P[0, 2])
+        return float(table_px.min()), float(2 * table_px.max() - apart_px)
+
+    def _pieces_off_table(self, chosen: Bools) -> list[Ints]:
+        """The middles (K, 2), column and row, of those windows, chosen (N,) of all, that do not show the table, of each
+        of the places where there are some."""
+        seen = self._seen
+        column, row = seen.left[chosen & ~seen.lies].astype(int).T
         there = np.zeros(seen.view.shape, np.uint8)
         there[row, column] = 1
         joined = cv2.dilate(there, np.ones((_SIDE_PX, _SIDE_PX), np.uint8))
         count, labels = cv2.connectedComponents(joined)
         pieces = [np.argwhere((labels == label) & (there > 0))[:, ::-1] for label in range(1, count)]
-        hulls = [cv2.convexHull(piece.astype(np.float32))[:, 0] for piece in pieces if len(piece) >= _LEAST]
-        return [_at_full_size(hull.astype(np.float64), seen.scale) for hull in hulls if len(hull) > 2]
+        return [piece for piece in pieces if len(piece) >= _LEAST]
 
     def _beside(self, outline: Blob, solids: Sequence[SolidFit]) -> Bools:
         """Which windows (N,) an outline shows clear of the solids."""
         seen = self._seen
         column, row = seen.left.astype(int).T
         rest: Bools = ~clear_of_objects(seen.view, [outline], seen.scale, _SIDE_PX, _SIDE_PX)[row, column]
+        return rest & self._clear_of_all(solids)
+
+    def _clear_of_all(self, solids: Sequence[SolidFit]) -> Bools:
+        """Which windows (N,) are clear of the solids in both views."""
+        rest = np.ones(len(self._seen.left), np.bool_)
         for fit in solids:
             rest &= self._clear_of(fit)
         return rest
@@ -156,7 +186,7 @@ class WarpedViews:
         of what may be a tube: it stands on the table, and that is seen through it; and the surface's disparity (K,) in
         these."""
         seen, rig = self._seen, self.pair.rig
-        places = normalized(_at_full_size(seen.left[inside_it], seen.scale), rig.left)
+        places = normalized(at_full_size(seen.left[inside_it], seen.scale), rig.left)
         ahead = np.c_[places, np.ones(len(places))]
         depth_m = entered(fit, rig.eyes_m[0], ahead)
         apart_px = rig.left.P[0, 2] - rig.right.P[0, 2]
@@ -230,10 +260,6 @@ def _in_an_end(fit: SolidFit, places_m: Floats) -> Bools:
     return np.asarray(along_m > _END * fit.size_m[2] / 2, np.bool_)
 
 
-def _at_full_size(points_px: Floats, scale: float) -> Floats:
-    return (points_px + 0.5) / scale - 0.5
-
-
 def _half_width_px(camera: Camera, polygon: Floats, scale: float) -> float:
     """How far the middle of a silhouette (K, 2), normalized, is within it, in a reduced view."""
     middle = (polygon.min(axis=0) + polygon.max(axis=0)) / 2
@@ -242,5 +268,5 @@ def _half_width_px(camera: Camera, polygon: Floats, scale: float) -> float:
 
 def _within_px(points_px: Floats, camera: Camera, polygon: Floats, scale: float) -> Floats:
     """How far (N,) places (N, 2) of a reduced view are within a silhouette (K, 2), normalized."""
-    places = normalized(_at_full_size(points_px, scale), camera)
+    places = normalized(at_full_size(points_px, scale), camera)
     return np.asarray(inside(places[None], polygon[None])[0] * camera.P[0, 0] * scale)

@@ -48,6 +48,11 @@ def reduction(image: Image) -> float:
     return min(1.0, _WIDTH_PX / float(image.shape[1]))
 
 
+def at_full_size(points_px: Floats, scale: float) -> Floats:
+    """Places (N, 2) of a reduced view in the whole one."""
+    return (points_px + 0.5) / scale - 0.5
+
+
 def reduced(image: Image, scale: float) -> Grey:
     """A view at that scale."""
     size = round(image.shape[1] * scale), round(image.shape[0] * scale)

@@ -1,0 +1,110 @@
+"""What rises from the table, as windows of both views show it: where an object with a pattern is, and how large.
+
+Outlines show such an object in pieces, or not at all, where its pattern is here and there as dark as the table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.correspondence.position import BlobPair
+from stereo_pick.core.correspondence.table_windows import Windows, at_full_size
+from stereo_pick.core.objects import Blob
+from stereo_pick.core.objects.blob import CUT
+from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes import Outline
+from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
+from stereo_pick.core.shapes.sight import normalized
+from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.surface_fit import Surface, solids_onto
+from stereo_pick.core.shapes.table import Table
+
+_AWAY, _NEAR_PX = 4.0, 2.0  # times as far as most are from the median, and more, from which a disparity is chance
+_PLACED_PX = 0.15  # sigma of a window's disparity
+_STEPS = 4  # in which outlines are drawn in by half the side of a window
+
+
+@dataclass(frozen=True, eq=False)
+class Risen:
+    """windows: of one object, in reduced views; scale: of these; side_px: of the windows; stride_px: from one to the
+    next."""
+
+    windows: Windows
+    scale: float
+    side_px: int
+    stride_px: int
+
+    @property
+    def blobs(self) -> BlobPair:
+        """Its outlines at their widest, without edges."""
+        left, right = (_without_edges(self._drawn_in(side, 0.0)) for side in self._sides)
+        return left, right
+
+    def solids(self, rig: StereoRig, table: Table) -> list[Solids]:
+        """What it may be on a table."""
+        return solids_onto(self._surface(rig), self._outlines, rig, table)
+
+    @property
+    def _outlines(self) -> list[Pair]:
+        """What its outlines in both views may be: windows show an edge from up to half their side beside it."""
+        several = [[self._drawn_in(side, by_px) for side in self._sides] for by_px in self._steps_px]
+        pairs = [(Outline.from_contour(left), Outline.from_contour(right)) for left, right in several if min(len(left), len(right)) > 2]
+        return [pair for pair in pairs if can_be_fitted(pair)]
+
+    def _surface(self, rig: StereoRig) -> Surface:
+        """What the windows show of its surface, but those at its edges: these show what is nearer."""
+        within = self.windows.those(self._is_within)
+        places = normalized(at_full_size(within.centre_px, self.scale), rig.left)
+        disparity_px = within.disparity_px / self.scale - (rig.left.P[0, 2] - rig.right.P[0, 2])
+        sigma_px = _PLACED_PX / self.scale * self.side_px / self.stride_px  # windows that share pixels are not so many
+        return Surface(np.c_[places, np.ones(len(places))], disparity_px, sigma_px)
+
+    @property
+    def _steps_px(self) -> Floats:
+        return np.linspace(0, self.side_px / 2, _STEPS)
+
+    @property
+    def _sides(self) -> tuple[Floats, Floats]:
+        """The middles (N, 2) of the windows in both views."""
+        left = self.windows.centre_px
+        return left, left - np.c_[self.windows.disparity_px, np.zeros(len(left))]
+
+    @property
+    def _is_within(self) -> Bools:
+        """Which windows (N,) lie within the hull of all middles."""
+        hull = _hull(self.windows.centre_px)
+        edge_px = [cv2.pointPolygonTest(hull, (x, y), True) for x, y in self.windows.centre_px.tolist()]
+        return np.array(edge_px) > self.side_px / 2
+
+    def _drawn_in(self, middles_px: Floats, by_px: float) -> Floats:
+        """The hull of windows in the whole view, drawn in, as a contour (K, 2); (0, 2) where nothing is left."""
+        hull = _hull(middles_px)
+        corner = np.floor(hull.min(axis=0)) - 1
+        width, height = np.ceil(hull.max(axis=0) - corner).astype(int) + 2
+        covered = np.zeros((height, width), np.uint8)
+        cv2.fillConvexPoly(covered, np.round(hull - corner).astype(np.int32), (1,))
+        far_px = cv2.distanceTransform(covered, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        contours, _ = cv2.findContours((far_px > by_px).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        contour = max(contours, key=len, default=np.zeros((0, 1, 2), np.int32))
+        return at_full_size(contour[:, 0] + corner, self.scale)
+
+
+def most_of(windows: Windows) -> Windows:
+    """Those of the windows (N) that are about as near as most."""
+    if not len(windows.disparity_px):
+        return windows
+    off_px = np.abs(windows.disparity_px - np.median(windows.disparity_px))
+    return windows.those(off_px < _AWAY * np.median(off_px) + _NEAR_PX)
+
+
+def _without_edges(contour_px: Floats) -> Blob:
+    return Blob(contour_px, 0.0, fault="merged", sharpness=np.full(len(contour_px), CUT))
+
+
+def _hull(points_px: Floats) -> NDArray[np.float32]:
+    return np.asarray(cv2.convexHull(points_px.astype(np.float32))[:, 0], np.float32)
