@@ -11,6 +11,7 @@ from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_fou
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.overlap import covers
+from stereo_pick.core.correspondence.risen import all_risen
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.hypotheses import Images
@@ -42,7 +43,7 @@ def found_after_all(
         if another is not None:
             found.append(_by_itself(another, images.rig))
     found += _within(look, warped, refused, found)
-    for risen in warped.risen(_fits(found)):
+    for risen in all_risen(warped, _fits(found)):
         another = _unless_marks(warped, look.at_risen(risen, _fits(found)))
         if another is not None:
             found.append(_by_itself(another, images.rig))

@@ -16,7 +16,6 @@ import numpy as np
 from stereo_pick.core.arrays import Bools, Floats, Ints
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.correspondence.plane_alignment import off_plane
-from stereo_pick.core.correspondence.risen import Risen, most_of
 from stereo_pick.core.correspondence.table_windows import (
     Windows,
     at_full_size,
@@ -43,11 +42,11 @@ from stereo_pick.core.shapes.surface import entered
 from stereo_pick.core.shapes.table import Table
 
 _WIDTH_PX = 640  # of the reduced views, as all pixels here
-_SIDE_PX, _STRIDE_PX = 11, 3
+SIDE_PX, STRIDE_PX = 11, 3  # of windows
 _PLACED_PX = 0.05  # sigma that the edges in a window promise: rectified noise is smooth, and seems to promise less
 _ALIKE = 0.7  # correlation
 _SIGMAS = 3.0
-_CLEAR_PX = _SIDE_PX / 2 + 2  # from the solids
+_CLEAR_PX = SIDE_PX / 2 + 2  # from the solids
 _WITHIN_PX = _CLEAR_PX  # a solid's outline
 _RISES_PX = 1.0  # of disparity, above what is open of the table's, that tells a surface from it
 _LEAST = 8  # windows
@@ -80,6 +79,11 @@ class WarpedViews:
 
     pair: RectifiedPair
     table: Table
+
+    @property
+    def scale(self) -> float:
+        """Of the reduced views."""
+        return min(1.0, _WIDTH_PX / float(self.pair.left.shape[1]))
 
     def is_all_of(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether all that an outline in the left view shows clear of the solids lies on the table, as far as that is
@@ -130,17 +134,18 @@ class WarpedViews:
         hulls = [cv2.convexHull(piece.astype(np.float32))[:, 0] for piece in pieces]
         return [at_full_size(hull.astype(np.float64), self._seen.scale) for hull in hulls if len(hull) > 2]
 
-    def risen(self, solids: Sequence[SolidFit]) -> list[Risen]:
+    def risen(self, solids: Sequence[SolidFit]) -> list[Windows]:
         """All that the left view shows clear of the solids that is not on the table, and that the right one shows as
-        well, before it; the largest first."""
+        well, before it: windows of the reduced views, of each of the places where there are some."""
         seen = self._seen
-        pieces = sorted(self._pieces_off_table(self._clear_of_all(solids) & seen.itself), key=len, reverse=True)
-        found = [matches(seen.view, seen.right_view, each, (_SIDE_PX, _SIDE_PX), self._reach_px(each)) for each in pieces]
-        return [Risen(each, seen.scale, _SIDE_PX, _STRIDE_PX) for each in map(most_of, found) if len(each.disparity_px) >= _LEAST]
+        pieces = self._pieces_off_table(self._clear_of_all(solids) & seen.itself)
+        return [
+            matches(seen.view, seen.right_view, each, (SIDE_PX, SIDE_PX), self._before_table_px(each))
+            for each in pieces
+        ]
 
-    def _reach_px(self, places: Ints) -> tuple[float, float]:
-        """The disparities between which what rises at places (N, 2) is looked for: from the table to halfway to the
-        cameras."""
+    def _before_table_px(self, places: Ints) -> tuple[float, float]:
+        """The disparities from the table at places (N, 2) to halfway to the cameras."""
         rig, scale = self.pair.rig, self._seen.scale
         table_px = np.c_[places, np.ones(len(places))] @ of_table(self.table, rig, scale)
         apart_px = scale * (rig.left.P[0, 2] - rig.right.P[0, 2])
@@ -153,7 +158,7 @@ class WarpedViews:
         column, row = seen.left[chosen & ~seen.lies].astype(int).T
         there = np.zeros(seen.view.shape, np.uint8)
         there[row, column] = 1
-        joined = cv2.dilate(there, np.ones((_SIDE_PX, _SIDE_PX), np.uint8))
+        joined = cv2.dilate(there, np.ones((SIDE_PX, SIDE_PX), np.uint8))
         count, labels = cv2.connectedComponents(joined)
         pieces = [np.argwhere((labels == label) & (there > 0))[:, ::-1] for label in range(1, count)]
         return [piece for piece in pieces if len(piece) >= _LEAST]
@@ -162,7 +167,7 @@ class WarpedViews:
         """Which windows (N,) an outline shows clear of the solids."""
         seen = self._seen
         column, row = seen.left.astype(int).T
-        rest: Bools = ~clear_of_objects(seen.view, [outline], seen.scale, _SIDE_PX, _SIDE_PX)[row, column]
+        rest: Bools = ~clear_of_objects(seen.view, [outline], seen.scale, SIDE_PX, SIDE_PX)[row, column]
         return rest & self._clear_of_all(solids)
 
     def _clear_of_all(self, solids: Sequence[SolidFit]) -> Bools:
@@ -179,7 +184,7 @@ class WarpedViews:
         sides = list(zip((rig.left, rig.right), fit.silhouettes(rig)))
         each_px = [_within_px(at, *side, seen.scale) for at, side in zip((seen.left, seen.right), sides)]
         slim_px = min(_half_width_px(*side, seen.scale) for side in sides)
-        return np.where(seen.itself, np.minimum(*each_px), -np.inf), slim_px < _SIDE_PX
+        return np.where(seen.itself, np.minimum(*each_px), -np.inf), slim_px < SIDE_PX
 
     def _before_table(self, fit: SolidFit, inside_it: Bools) -> tuple[Bools, Floats]:
         """Which of those windows inside its outlines (N,) have its surface clearly before the table, and not in the end
@@ -202,7 +207,7 @@ class WarpedViews:
         """How alike (K,) windows, chosen (N,) of all, are to what the right view shows at these disparities (K,), as of
         `off_plane`."""
         seen = self._seen
-        around = pixels_around(seen.left[chosen].astype(int), _SIDE_PX)
+        around = pixels_around(seen.left[chosen].astype(int), SIDE_PX)
         there = np.stack([around[1] - disparity_px[:, None], around[0]], axis=-1)
         one, other = seen.view[around], remapped(seen.right_view, there, cv2.BORDER_CONSTANT, cv2.INTER_CUBIC)
         squares = (one * one).sum(axis=1) * (other * other).sum(axis=1)
@@ -234,21 +239,21 @@ class WarpedViews:
     @cached_property
     def _seen(self) -> _Seen:
         pair, rig = self.pair, self.pair.rig
-        scale = min(1.0, _WIDTH_PX / float(pair.left.shape[1]))
+        scale = self.scale
         left, right = uneven(pair.left, rig.left, scale), uneven(pair.right, rig.right, scale)
         plain = reduced(pair.left, scale)
         noise = noise_dn(plain)
-        usable = (predicted_sigma_px(left, noise, _SIDE_PX, "zncc") < _PLACED_PX) & valid(rig.left, left)
-        centre_px = on_grid(usable, _SIDE_PX, _SIDE_PX, _STRIDE_PX).astype(np.float64)
+        usable = (predicted_sigma_px(left, noise, SIDE_PX, "zncc") < _PLACED_PX) & valid(rig.left, left)
+        centre_px = on_grid(usable, SIDE_PX, SIDE_PX, STRIDE_PX).astype(np.float64)
         plane = of_table(self.table, rig, scale)
         windows = Windows(centre_px, np.c_[centre_px, np.ones(len(centre_px))] @ plane)
-        off_px, sigma_px, alike = off_plane(left, right, plane, windows, (_SIDE_PX, _SIDE_PX))
+        off_px, sigma_px, alike = off_plane(left, right, plane, windows, (SIDE_PX, SIDE_PX))
         known_px = np.hypot(sigma_px, sigma_on_table_px(windows, self.table, rig, scale))
         open_px = _SIGMAS * np.asarray(known_px, np.float64)
         lies = (alike > _ALIKE) & (np.abs(off_px) < open_px)
         there_px = windows.centre_px - np.c_[windows.disparity_px, np.zeros(len(centre_px))]
         column, row = centre_px.astype(int).T
-        itself = predicted_sigma_px(plain, noise, _SIDE_PX, "zncc")[row, column] < _PLACED_PX
+        itself = predicted_sigma_px(plain, noise, SIDE_PX, "zncc")[row, column] < _PLACED_PX
         return _Seen(centre_px, there_px, open_px, alike, lies, itself, left, right, scale)
 
 

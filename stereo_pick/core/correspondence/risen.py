@@ -5,6 +5,7 @@ Outlines show such an object in pieces, or not at all, where its pattern is here
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.correspondence.lying_flat import SIDE_PX, STRIDE_PX, WarpedViews
 from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.correspondence.table_windows import Windows, at_full_size
 from stereo_pick.core.objects import Blob
@@ -20,24 +22,28 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.sight import normalized
+from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.surface_fit import Surface, solids_onto
 from stereo_pick.core.shapes.table import Table
 
 _AWAY, _NEAR_PX = 4.0, 2.0  # times as far as most are from the median, and more, from which a disparity is chance
 _PLACED_PX = 0.15  # sigma of a window's disparity
+_LEAST = 8  # windows
 _STEPS = 4  # in which outlines are drawn in by half the side of a window
 
 
 @dataclass(frozen=True, eq=False)
 class Risen:
-    """windows: of one object, in reduced views; scale: of these; side_px: of the windows; stride_px: from one to the
-    next."""
+    """windows: of one object, in reduced views; scale: of these."""
 
     windows: Windows
     scale: float
-    side_px: int
-    stride_px: int
+
+    @property
+    def is_wide(self) -> bool:
+        """Whether it is more than a point in either view."""
+        return all(len(self._drawn_in(side, 0.0)) > 2 for side in self._sides)
 
     @property
     def blobs(self) -> BlobPair:
@@ -52,8 +58,9 @@ class Risen:
     @property
     def _outlines(self) -> list[Pair]:
         """What its outlines in both views may be: windows show an edge from up to half their side beside it."""
-        several = [[self._drawn_in(side, by_px) for side in self._sides] for by_px in self._steps_px]
-        pairs = [(Outline.from_contour(left), Outline.from_contour(right)) for left, right in several if min(len(left), len(right)) > 2]
+        several = ([self._drawn_in(side, by_px) for side in self._sides] for by_px in self._steps_px)
+        left_over = ((left, right) for left, right in several if min(len(left), len(right)) > 2)
+        pairs = [(Outline.from_contour(left), Outline.from_contour(right)) for left, right in left_over]
         return [pair for pair in pairs if can_be_fitted(pair)]
 
     def _surface(self, rig: StereoRig) -> Surface:
@@ -61,12 +68,12 @@ class Risen:
         within = self.windows.those(self._is_within)
         places = normalized(at_full_size(within.centre_px, self.scale), rig.left)
         disparity_px = within.disparity_px / self.scale - (rig.left.P[0, 2] - rig.right.P[0, 2])
-        sigma_px = _PLACED_PX / self.scale * self.side_px / self.stride_px  # windows that share pixels are not so many
+        sigma_px = _PLACED_PX / self.scale * SIDE_PX / STRIDE_PX  # windows that share pixels are not so many
         return Surface(np.c_[places, np.ones(len(places))], disparity_px, sigma_px)
 
     @property
     def _steps_px(self) -> Floats:
-        return np.linspace(0, self.side_px / 2, _STEPS)
+        return np.linspace(0, SIDE_PX / 2, _STEPS)
 
     @property
     def _sides(self) -> tuple[Floats, Floats]:
@@ -79,7 +86,7 @@ class Risen:
         """Which windows (N,) lie within the hull of all middles."""
         hull = _hull(self.windows.centre_px)
         edge_px = [cv2.pointPolygonTest(hull, (x, y), True) for x, y in self.windows.centre_px.tolist()]
-        return np.array(edge_px) > self.side_px / 2
+        return np.array(edge_px) > SIDE_PX / 2
 
     def _drawn_in(self, middles_px: Floats, by_px: float) -> Floats:
         """The hull of windows in the whole view, drawn in, as a contour (K, 2); (0, 2) where nothing is left."""
@@ -92,6 +99,14 @@ class Risen:
         contours, _ = cv2.findContours((far_px > by_px).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         contour = max(contours, key=len, default=np.zeros((0, 1, 2), np.int32))
         return at_full_size(contour[:, 0] + corner, self.scale)
+
+
+def all_risen(warped: WarpedViews, solids: Sequence[SolidFit]) -> list[Risen]:
+    """What rises from a table clear of the solids; the largest first."""
+    found = [most_of(each) for each in warped.risen(solids)]
+    found.sort(key=lambda each: len(each.disparity_px), reverse=True)
+    risen = [Risen(each, warped.scale) for each in found if len(each.disparity_px) >= _LEAST]
+    return [each for each in risen if each.is_wide]
 
 
 def most_of(windows: Windows) -> Windows:

@@ -86,7 +86,7 @@ def robust_scale(residual: Floats, weight: Floats) -> Floats:
     return np.asarray(1.4826 * ordered[np.arange(len(middle)), middle])
 
 
-def tukey(residual: Floats, scale: Floats) -> Floats:
+def tukey(residual: Floats, scale: Floats | float) -> Floats:
     """Tukey's weight: 1 for a residual of 0, 0 for one that is far off on this scale."""
     return np.asarray(np.maximum(1 - (residual / (TUKEY * scale)) ** 2, 0) ** 2)
 

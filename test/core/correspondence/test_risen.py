@@ -1,0 +1,103 @@
+"""What rises from a table is seen as a whole by its pattern, whatever its outlines show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from family_scenes import found
+from marks import first_of
+from rendered_solids import PLACED, RIG, centre_m, rectified, solid_of, table_of
+from rendering import Box, Cylinder, HexPrism, Scene, Solid, Sphere
+
+from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.lying_flat import WarpedViews
+from stereo_pick.core.correspondence.risen import Risen, all_risen, most_of
+from stereo_pick.core.correspondence.table_windows import Windows
+from stereo_pick.core.shapes import SolidFit
+
+TABLE = table_of(RIG, PLACED)
+PARTS: dict[str, Solid] = {
+    "standing": Cylinder(0.0, 0.0, (0.05, 0.05, 0.06), texture=1.0),
+    "lying": Cylinder(0.0, 0.0, (0.05, 0.05, 0.08), yaw_rad=0.5, lying=True, texture=1.0),
+    "box": Box(0.0, 0.0, (0.05, 0.06, 0.05), yaw_rad=0.4, texture=1.0),
+    "hexprism": HexPrism(0.0, 0.0, (0.05, 0.05 * 2 / 3**0.5, 0.06), yaw_rad=0.2, texture=1.0),
+    "sphere": Sphere(0.0, 0.0, (0.06,) * 3, texture=1.0),
+}
+every_part = pytest.mark.parametrize("name", PARTS)
+
+
+def risen(scene: Scene, known: tuple[SolidFit, ...] = ()) -> list[Risen]:
+    return all_risen(WarpedViews(rectified(RIG, scene), TABLE), known)
+
+
+def fit_of(scene: Scene, part: Solid) -> SolidFit:
+    solid = solid_of(RIG, scene, part)
+    return SolidFit(solid.kind.name, solid.centre_m[0], solid.rotation[0], solid.size_m()[0], 0.1, 1e-8 * np.eye(3))
+
+
+def area_px2(outline_px: Floats) -> float:
+    return float(cv2.contourArea(outline_px.astype(np.float32)))
+
+
+@every_part
+def test_a_part_with_a_pattern_rises_and_one_of_what_it_may_be_is_that_part(name: str) -> None:
+    scene = Scene((PARTS[name],), PLACED, ambient=0.5)
+    [one] = risen(scene)
+    kind = "cylinder" if name in ("standing", "lying") else name
+    solids = [each for each in one.solids(RIG, TABLE) if each.kind.name == kind]
+    off_m = [np.linalg.norm(each.centre_m[0] - centre_m(RIG, scene, PARTS[name])) for each in solids]
+    assert min(off_m) < 1e-3
+
+
+@every_part
+def test_its_outlines_at_their_widest_are_about_those_of_the_part(name: str) -> None:
+    scene = Scene((PARTS[name],), PLACED, ambient=0.5)
+    [one] = risen(scene)
+    for blob, camera in zip(one.blobs, (RIG.left, RIG.right)):
+        assert 0.7 < blob.area_px2 / area_px2(fit_of(scene, PARTS[name]).silhouette_px(camera)) < 1.5
+        assert blob.fault == "merged" and (blob.sharpness < 0).all()
+
+
+def test_what_is_known_does_not_rise_again() -> None:
+    scene = Scene((PARTS["box"],), PLACED, ambient=0.5)
+    assert risen(scene) != [] and risen(scene, (fit_of(scene, PARTS["box"]),)) == []
+
+
+def test_two_parts_rise_apart_the_larger_first() -> None:
+    small, large = replace_at(PARTS["sphere"], -0.08), replace_at(PARTS["lying"], 0.08)
+    sizes = [len(each.windows.disparity_px) for each in risen(Scene((small, large), PLACED, ambient=0.5))]
+    assert len(sizes) == 2 and sizes[0] > sizes[1]
+
+
+def replace_at(part: Solid, x_m: float) -> Solid:
+    return type(part)(x_m, 0.0, part.size_m, part.yaw_rad, lying=part.lying, texture=part.texture)
+
+
+def test_an_empty_table_does_not_rise() -> None:
+    assert risen(Scene((), PLACED, ambient=0.5)) == []
+
+
+def test_what_one_view_shows_as_a_point_is_no_outline() -> None:
+    """Windows in a row, each as much nearer as it is farther to the right."""
+    along = np.arange(100.0, 130.0, 3.0)
+    windows = Windows(np.stack([along, np.full(10, 100.0)], axis=1), along - 60)
+    assert not Risen(windows, 1.0).is_wide
+    assert Risen(replace(windows, disparity_px=np.full(10, 40.0)), 1.0).is_wide
+
+
+def test_a_window_at_another_depth_is_left_out() -> None:
+    centre_px = np.stack([np.arange(20.0), np.arange(20.0)], axis=1)
+    disparity_px = np.linspace(50, 53, 20)
+    disparity_px[7] = 80.0
+    kept = most_of(Windows(centre_px, disparity_px))
+    assert len(kept.disparity_px) == 19 and kept.disparity_px.max() < 60
+    assert len(most_of(Windows(np.zeros((0, 2)), np.zeros(0))).disparity_px) == 0
+
+
+@pytest.mark.parametrize(("seed", "which"), first_of((8, 0), (10, 2), (16, 0), (16, 1)))
+def test_a_part_that_outlines_show_in_pieces_is_found_by_what_rises(seed: int, which: int) -> None:
+    result = found("textured_parts", seed)
+    assert result.wrong == 0 and {each.which: each.distance_m for each in result.found}[which] < 1e-3
