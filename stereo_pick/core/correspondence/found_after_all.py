@@ -43,7 +43,7 @@ def found_after_all(
         if another is not None:
             found.append(_by_itself(another, images.rig))
     found += _within(look, warped, refused, found)
-    for risen in all_risen(warped, _fits(found)):
+    for risen in all_risen(warped.seen, warped.table, _fits(found)):
         another = _unless_marks(warped, look.at_risen(risen, _fits(found)))
         if another is not None:
             found.append(_by_itself(another, images.rig))

@@ -15,8 +15,8 @@ from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.below_faces import tables_below
 from stereo_pick.core.shapes.common_table import common_table, stands_on, supposed_tables
-from stereo_pick.core.shapes.fitting import can_be_fitted
-from stereo_pick.core.shapes.hypotheses import BODY, Images
+from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
+from stereo_pick.core.shapes.hypotheses import BODY, Images, Supported
 from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.table import Table
 
@@ -102,11 +102,12 @@ class TableSearch:
     def _bodies(self) -> list[SolidFit]:
         """The solids, on whatever table, that the edges of both views, or patterns, support for the pairs."""
         readings = [each for each in map(convex_outlines, self.pairs) if can_be_fitted(each)]
-        found = [
-            each or next(patterned(self.images, near_outlines(self.images, reading), []), None)
-            for each, reading in zip(self.images.best([[each] for each in readings]), readings)
-        ]
+        supported = self.images.best([[each] for each in readings])
+        found = [each or self._by_its_pattern(reading) for each, reading in zip(supported, readings)]
         return [each.fit for each in found if each is not None and not is_flat(each.fit, TOP)]
+
+    def _by_its_pattern(self, reading: Pair) -> Supported | None:
+        return next(patterned(self.images, near_outlines(self.images, reading), []), None)
 
     def _below_faces(self, fits: Sequence[SolidFit]) -> Table | None:
         """The table below lit faces on which one of the objects is found, and another one is or stands already.

@@ -12,10 +12,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stereo_pick.core.arrays import Bools, Floats
-from stereo_pick.core.correspondence.lying_flat import SIDE_PX, STRIDE_PX, WarpedViews
+from stereo_pick.core.arrays import Bools, Floats, Ints
 from stereo_pick.core.correspondence.position import BlobPair
-from stereo_pick.core.correspondence.table_windows import Windows, at_full_size
+from stereo_pick.core.correspondence.seen_table import LEAST, SIDE_PX, STRIDE_PX, SeenTable
+from stereo_pick.core.correspondence.table_windows import Windows, at_full_size, matches
+from stereo_pick.core.correspondence.window_planes import of_table
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import CUT
 from stereo_pick.core.rig import StereoRig
@@ -29,7 +30,6 @@ from stereo_pick.core.shapes.table import Table
 
 _AWAY, _NEAR_PX = 4.0, 2.0  # times as far as most are from the median, and more, from which a disparity is chance
 _PLACED_PX = 0.15  # sigma of a window's disparity
-_LEAST = 8  # windows
 _STEPS = 4  # in which outlines are drawn in by half the side of a window
 
 
@@ -101,12 +101,21 @@ class Risen:
         return at_full_size(contour[:, 0] + corner, self.scale)
 
 
-def all_risen(warped: WarpedViews, solids: Sequence[SolidFit]) -> list[Risen]:
-    """What rises from a table clear of the solids; the largest first."""
-    found = [most_of(each) for each in warped.risen(solids)]
+def all_risen(seen: SeenTable, table: Table, solids: Sequence[SolidFit]) -> list[Risen]:
+    """What rises from a table clear of the solids, and the right view shows as well; the largest first."""
+    pieces = seen.pieces_off(seen.clear_of_all(solids) & seen.itself)
+    found = [most_of(_matched(each, seen, table)) for each in pieces]
     found.sort(key=lambda each: len(each.disparity_px), reverse=True)
-    risen = [Risen(each, warped.scale) for each in found if len(each.disparity_px) >= _LEAST]
+    risen = [Risen(each, seen.scale) for each in found if len(each.disparity_px) >= LEAST]
     return [each for each in risen if each.is_wide]
+
+
+def _matched(places: Ints, seen: SeenTable, table: Table) -> Windows:
+    """The windows around places (N, 2) that the right view shows, from the table to halfway to the cameras."""
+    table_px = np.c_[places, np.ones(len(places))] @ of_table(table, seen.rig, seen.scale)
+    apart_px = seen.scale * (seen.rig.left.P[0, 2] - seen.rig.right.P[0, 2])
+    reach_px = float(table_px.min()), float(2 * table_px.max() - apart_px)
+    return matches(seen.view, seen.right_view, places, (SIDE_PX, SIDE_PX), reach_px)
 
 
 def most_of(windows: Windows) -> Windows:

@@ -10,7 +10,7 @@ from rendered_solids import PLACED, RIG, rectified
 from rendering import Scene, Sphere
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_seen_alone
+from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes import SolidFit
@@ -67,3 +67,15 @@ def test_an_outline_of_which_no_edge_was_measured_counts_wherever_it_goes(
 
 def test_what_both_views_show_is_not_seen_alone(images: Images) -> None:
     assert not is_seen_alone(Unread("merged", blob(0), blob(1)), BALL, images)
+
+
+@pytest.mark.parametrize(
+    ("by", "moved_px", "is_it"),
+    [(1.0, 0.0, True), (0.5, 5.0, True), (1.5, 0.0, False), (1.0, 100.0, False)],
+    ids=["all of it", "a piece", "more", "beside it"],
+)
+def test_what_both_views_show_is_part_of_the_solid_where_it_is_within_it(
+    images: Images, by: float, moved_px: float, is_it: bool
+) -> None:
+    assert is_part_of(Unread("merged", blob(0, by, moved_px), blob(1, by, moved_px)), BALL, images) is is_it
+    assert is_part_of(Unread("merged", blob(0, by, moved_px), None), BALL, images) is is_it

@@ -13,8 +13,8 @@ from rendered_solids import PLACED, RIG, centre_m, rectified, solid_of, table_of
 from rendering import Box, Cylinder, HexPrism, Scene, Solid, Sphere
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.risen import Risen, all_risen, most_of
+from stereo_pick.core.correspondence.seen_table import SeenTable
 from stereo_pick.core.correspondence.table_windows import Windows
 from stereo_pick.core.shapes import SolidFit
 
@@ -30,7 +30,7 @@ every_part = pytest.mark.parametrize("name", PARTS)
 
 
 def risen(scene: Scene, known: tuple[SolidFit, ...] = ()) -> list[Risen]:
-    return all_risen(WarpedViews(rectified(RIG, scene), TABLE), known)
+    return all_risen(SeenTable.of(rectified(RIG, scene), TABLE), TABLE, known)
 
 
 def fit_of(scene: Scene, part: Solid) -> SolidFit:
