@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone
 from stereo_pick.core.correspondence.carried import without_edges
 from stereo_pick.core.correspondence.inscribed import discs_within
-from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
+from stereo_pick.core.correspondence.last_look import MOST, LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.overlap import covers
@@ -43,7 +43,7 @@ def found_after_all(
         if another is not None:
             found.append(_by_itself(another, images.rig))
     found += _within(look, warped, refused, found)
-    for risen in all_risen(warped.seen, warped.table, _fits(found)):
+    for risen in all_risen(warped.seen, warped.table, _fits(found))[:MOST]:
         another = _unless_marks(warped, look.at_risen(risen, _fits(found)))
         if another is not None:
             found.append(_by_itself(another, images.rig))

@@ -37,7 +37,7 @@ from stereo_pick.core.shapes.table import Table
 # Of which an object may be found yet
 _REASONS = ("half_lit", "merged", "off_table", "other_shape", "flat", "beside_bright")
 _REASONS_ALONE = ("left_only", "right_only", "merged")  # ... of which one view shows an outline
-_MOST = 12  # objects
+MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 8  # solids for each object
 
@@ -201,7 +201,7 @@ def may_be_found(refused: Sequence[Unread]) -> list[Unread]:
     """Those refused that may be found yet, sharp and whole: what both views show first, and the largest first."""
     several = [each for each in refused if each.reason in _REASONS and _is_whole(each.left) and _is_whole(each.right)]
     alone = [each for each in refused if each.reason in _REASONS_ALONE and _is_whole(each.alone)]
-    return [*sorted(several, key=_area_px2, reverse=True), *sorted(alone, key=_area_px2, reverse=True)][:_MOST]
+    return [*sorted(several, key=_area_px2, reverse=True), *sorted(alone, key=_area_px2, reverse=True)][:MOST]
 
 
 def _is_whole(blob: Blob | None) -> bool:
