@@ -41,9 +41,11 @@ class Risen:
     scale: float
 
     @property
-    def is_wide(self) -> bool:
-        """Whether it is more than a point in either view."""
-        return all(len(self._drawn_in(side, 0.0)) > 2 for side in self._sides)
+    def shows_a_surface(self) -> bool:
+        """Whether it is wider than windows are, in both views, and some of these show its surface alone."""
+        return int(self._is_within.sum()) >= LEAST and all(
+            len(self._drawn_in(side, SIDE_PX / 2)) > 2 for side in self._sides
+        )
 
     @property
     def blobs(self) -> BlobPair:
@@ -101,13 +103,24 @@ class Risen:
         return at_full_size(contour[:, 0] + corner, self.scale)
 
 
-def all_risen(seen: SeenTable, table: Table, solids: Sequence[SolidFit]) -> list[Risen]:
-    """What rises from a table clear of the solids, and the right view shows as well; the largest first."""
+def all_risen(
+    seen: SeenTable, table: Table, solids: Sequence[SolidFit], outlines_px: Sequence[Floats] | None = None
+) -> list[Risen]:
+    """What rises from a table clear of the solids, and the right view shows as well, with something of its surface; the
+    largest first. outlines_px: (K, 2) each, in the left view, some of which must show some of it, if they are given."""
     pieces = seen.pieces_off(seen.clear_of_all(solids) & seen.itself)
+    if outlines_px is not None:
+        pieces = [each for each in pieces if any(_shows(outline, each, seen.scale) for outline in outlines_px)]
     found = [most_of(_matched(each, seen, table)) for each in pieces]
     found.sort(key=lambda each: len(each.disparity_px), reverse=True)
     risen = [Risen(each, seen.scale) for each in found if len(each.disparity_px) >= LEAST]
-    return [each for each in risen if each.is_wide]
+    return [each for each in risen if each.shows_a_surface]
+
+
+def _shows(outline_px: Floats, places: Ints, scale: float) -> bool:
+    """Whether one of several places (N, 2) of a reduced view is within an outline."""
+    contour = outline_px.astype(np.float32)
+    return any(cv2.pointPolygonTest(contour, (x, y), False) >= 0 for x, y in at_full_size(places, scale).tolist())
 
 
 def _matched(places: Ints, seen: SeenTable, table: Table) -> Windows:

@@ -21,7 +21,8 @@ from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.surface import entered
 from stereo_pick.core.shapes.table import Table
 
-_ROUNDS = 10
+_ROUNDS, _WIDE_ROUNDS = 10, 3
+_HARDLY = 0.01  # of the cost, by which a step that matters lessens it
 _WIDE, _NARROWING = 3.0, 0.7  # times its sigma, from which on a place of the surface counts less; in each round
 _OUTLINE = 4.0  # sigma of the outlines, in those of the surface
 _LEAST_HALF = 0.1  # of the object's radius
@@ -73,10 +74,13 @@ class _Onto(NamedTuple):
         for round_ in range(_ROUNDS):
             scale_px = self.surface.sigma_px * max(1.0, _WIDE * _NARROWING**round_)
             tried = self._state(self._moved(now.solids, self._step(now, scale_px, damping)))
+            settled = round_ > _WIDE_ROUNDS and abs(now.cost - tried.cost) < _HARDLY * now.cost
             if tried.cost < now.cost:
                 now, damping = tried, damping * _LESS
             else:
                 damping *= _MORE
+            if settled:
+                break
         return now.solids
 
     def _state(self, solids: Solids) -> _State:

@@ -80,12 +80,13 @@ def test_an_empty_table_does_not_rise() -> None:
     assert risen(Scene((), PLACED, ambient=0.5)) == []
 
 
-def test_what_one_view_shows_as_a_point_is_no_outline() -> None:
-    """Windows in a row, each as much nearer as it is farther to the right."""
-    along = np.arange(100.0, 130.0, 3.0)
-    windows = Windows(np.stack([along, np.full(10, 100.0)], axis=1), along - 60)
-    assert not Risen(windows, 1.0).is_wide
-    assert Risen(replace(windows, disparity_px=np.full(10, 40.0)), 1.0).is_wide
+def test_a_row_of_windows_shows_no_surface_nor_do_those_that_one_view_shows_as_a_row() -> None:
+    """The shadow's edge of something, and windows each as much nearer as it is farther to the right."""
+    columns, rows = (each.ravel() for each in np.meshgrid(np.arange(100.0, 160, 3), np.arange(100.0, 160, 3)))
+    all_over = Windows(np.stack([columns, rows], axis=1), np.full(400, 40.0))
+    assert Risen(all_over, 1.0).shows_a_surface
+    assert not Risen(all_over.those(rows == 100.0), 1.0).shows_a_surface
+    assert not Risen(replace(all_over, disparity_px=columns - 60), 1.0).shows_a_surface
 
 
 def test_a_window_at_another_depth_is_left_out() -> None:
