@@ -120,7 +120,8 @@ def all_risen(
 def _shows(outline_px: Floats, places: Ints, scale: float) -> bool:
     """Whether one of several places (N, 2) of a reduced view is within an outline."""
     contour = outline_px.astype(np.float32)
-    return any(cv2.pointPolygonTest(contour, (x, y), False) >= 0 for x, y in at_full_size(places, scale).tolist())
+    whole_px = at_full_size(places.astype(np.float64), scale)
+    return any(cv2.pointPolygonTest(contour, (x, y), False) >= 0 for x, y in whole_px.tolist())
 
 
 def _matched(places: Ints, seen: SeenTable, table: Table) -> Windows:
