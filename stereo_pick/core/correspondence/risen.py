@@ -30,6 +30,7 @@ from stereo_pick.core.shapes.table import Table
 
 _AWAY, _NEAR_PX = 4.0, 2.0  # times as far as most are from the median, and more, from which a disparity is chance
 _PLACED_PX = 0.15  # sigma of a window's disparity
+_LEAST_APART = 4  # windows of a surface, beside each other
 _STEPS = 4  # in which outlines are drawn in by half the side of a window
 
 
@@ -43,9 +44,8 @@ class Risen:
     @property
     def shows_a_surface(self) -> bool:
         """Whether it is wider than windows are, in both views, and some of these show its surface alone."""
-        return int(self._is_within.sum()) >= LEAST and all(
-            len(self._drawn_in(side, SIDE_PX / 2)) > 2 for side in self._sides
-        )
+        apart = int(self._is_within.sum()) * STRIDE_PX**2 / SIDE_PX**2  # as many as share no pixels
+        return apart >= _LEAST_APART and all(len(self._drawn_in(side, SIDE_PX / 2)) > 2 for side in self._sides)
 
     @property
     def blobs(self) -> BlobPair:
