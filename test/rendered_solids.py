@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from rendering import Box, Cylinder, Lamp, Scene, Sensor, Solid, Sphere, render
+from rendering import Box, Cylinder, HexPrism, Lamp, Scene, Sensor, Solid, Sphere, render
 from rendering.rigs import table_before
-from rigs import RIGS
+from rigs import RIGS, rotation
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.kinds import KINDS
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
@@ -28,6 +29,15 @@ PARTS: dict[str, Solid] = {
     "lying": Cylinder(0.0, -0.06, (0.03, 0.03, 0.06), yaw_rad=0.5, lying=True),
 }
 """One part of each kind, and one lying, apart from each other on a table before a rig."""
+
+PATTERNED: dict[str, Solid] = {
+    "standing": Cylinder(0.0, 0.0, (0.05, 0.05, 0.06), texture=1.0),
+    "lying": Cylinder(0.0, 0.0, (0.05, 0.05, 0.08), yaw_rad=0.5, lying=True, texture=1.0),
+    "box": Box(0.0, 0.0, (0.05, 0.06, 0.05), yaw_rad=0.4, texture=1.0),
+    "hexprism": HexPrism(0.0, 0.0, (0.05, 0.05 * 2 / 3**0.5, 0.06), yaw_rad=0.2, texture=1.0),
+    "sphere": Sphere(0.0, 0.0, (0.06,) * 3, texture=1.0),
+}
+"""One part of each kind, and one lying, with a pattern all over, all at one place."""
 
 
 def half_lit_scene(parts: Sequence[Solid], left_T_table: Transform, sides: float) -> Scene:
@@ -67,3 +77,12 @@ def solid_of(
     half = np.array([[size[kind.axes.index(i)] / 2 for i in range(kind.sizes)]])
     axes = to_rectified @ part.axes @ (np.eye(3) if turned is None else turned)
     return Solids(kind, centre[None], axes[None], half, np.eye(3)[None][:, :, list(kind.turns)])
+
+
+def true_fit(rig: StereoRig, scene: Scene, part: Solid) -> SolidFit:
+    """The part as if it had been found where it is; the prism's first axis runs to a corner, and the renderer's to a
+    flat side."""
+    turned = rotation((0.0, 0.0, np.pi / 6)) if isinstance(part, HexPrism) else None
+    solid = solid_of(rig, scene, part, turned=turned)
+    kind = solid.kind.name
+    return SolidFit(kind, solid.centre_m[0], solid.rotation[0], solid.size_m()[0], 0.1, 1e-8 * np.eye(3))

@@ -44,7 +44,7 @@ def found_after_all(
             found.append(_by_itself(another, images.rig))
     found += _within(look, warped, refused, found)
     outlines_px = [each.left.contour_px for each in refused if each.left]
-    for risen in all_risen(warped.seen, warped.table, _fits(found), outlines_px)[:MOST] if outlines_px else ():
+    for risen in all_risen(warped.seen, warped.table, _fits(found), outlines_px)[:MOST]:
         another = _unless_marks(warped, look.at_risen(risen, _fits(found)))
         if another is not None:
             found.append(_by_itself(another, images.rig))

@@ -61,7 +61,7 @@ class Risen:
     def _outlines(self) -> list[Pair]:
         """What its outlines in both views may be: windows show an edge from up to half their side beside it."""
         several = ([self._drawn_in(side, by_px) for side in self._sides] for by_px in self._steps_px)
-        left_over = ((left, right) for left, right in several if min(len(left), len(right)) > 2)
+        left_over = ((left, right) for left, right in several if len(left) and len(right))
         pairs = [(Outline.from_contour(left), Outline.from_contour(right)) for left, right in left_over]
         return [pair for pair in pairs if can_be_fitted(pair)]
 
@@ -91,26 +91,25 @@ class Risen:
         return np.array(edge_px) > SIDE_PX / 2
 
     def _drawn_in(self, middles_px: Floats, by_px: float) -> Floats:
-        """The hull of windows in the whole view, drawn in, as a contour (K, 2); (0, 2) where nothing is left."""
+        """The hull of windows in the whole view, drawn in, as a contour (K, 2); (0, 2) where what is left is narrower
+        than windows tell: no solid can be fitted to a line."""
         hull = _hull(middles_px)
         corner = np.floor(hull.min(axis=0)) - 1
         width, height = np.ceil(hull.max(axis=0) - corner).astype(int) + 2
         covered = np.zeros((height, width), np.uint8)
         cv2.fillConvexPoly(covered, np.round(hull - corner).astype(np.int32), (1,))
         far_px = cv2.distanceTransform(covered, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        if far_px.max() - by_px < STRIDE_PX:
+            return np.zeros((0, 2))
         contours, _ = cv2.findContours((far_px > by_px).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        contour = max(contours, key=len, default=np.zeros((0, 1, 2), np.int32))
-        return at_full_size(contour[:, 0] + corner, self.scale)
+        return at_full_size(max(contours, key=len)[:, 0] + corner, self.scale)
 
 
-def all_risen(
-    seen: SeenTable, table: Table, solids: Sequence[SolidFit], outlines_px: Sequence[Floats] | None = None
-) -> list[Risen]:
+def all_risen(seen: SeenTable, table: Table, solids: Sequence[SolidFit], outlines_px: Sequence[Floats]) -> list[Risen]:
     """What rises from a table clear of the solids, and the right view shows as well, with something of its surface; the
-    largest first. outlines_px: (K, 2) each, in the left view, some of which must show some of it, if they are given."""
+    largest first. outlines_px: (K, 2) each, in the left view, one of which must show some of it."""
     pieces = seen.pieces_off(seen.clear_of_all(solids) & seen.itself)
-    if outlines_px is not None:
-        pieces = [each for each in pieces if any(_shows(outline, each, seen.scale) for outline in outlines_px)]
+    pieces = [each for each in pieces if any(_shows(outline, each, seen.scale) for outline in outlines_px)]
     found = [most_of(_matched(each, seen, table)) for each in pieces]
     found.sort(key=lambda each: len(each.disparity_px), reverse=True)
     risen = [Risen(each, seen.scale) for each in found if len(each.disparity_px) >= LEAST]

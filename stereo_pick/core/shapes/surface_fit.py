@@ -57,16 +57,18 @@ def solids_onto(surface: Surface, outlines: list[Pair], rig: StereoRig, table: T
     found = []
     for kind in KINDS.values() if outlines else ():
         near = nearest_of_kind(outlines, rig, kind, table)
-        found += [_Onto(surface, Sight.of([pair], rig, table), rig).brought(near[pair, kind][0]) for pair in outlines]
+        for pair in outlines:
+            found.append(_Onto(surface, Sight.of([pair], rig, table), rig, table).brought(near[pair, kind][0]))
     return found
 
 
 class _Onto(NamedTuple):
-    """surface; sight: one object's outlines, and its table; rig."""
+    """surface; sight: one object's outlines; rig; table: what it stands on."""
 
     surface: Surface
     sight: Sight
     rig: StereoRig
+    table: Table
 
     def brought(self, solid: Solids) -> Solids:
         """A solid (S = 1) moved, turned about the table's normal, and made larger or smaller."""
@@ -99,9 +101,7 @@ class _Onto(NamedTuple):
         return self.rig.focal_px * self.rig.baseline_m / depth_m - self.surface.disparity_px
 
     def _moved(self, solids: Solids, step: Floats) -> Solids:
-        table = self.sight.table
-        there = moved(solids, step[None], _LEAST_HALF * self.sight.radius_m)
-        return table.put_down(there) if table else there
+        return self.table.put_down(moved(solids, step[None], _LEAST_HALF * self.sight.radius_m))
 
     def _step(self, now: _State, scale_px: float, damping: float) -> Floats:
         """The damped step (3 + Q + sizes) of iteratively reweighted least squares."""
@@ -115,8 +115,7 @@ class _Onto(NamedTuple):
         weight = now.sides.weight[0] * tukey(sides, outline_px) / outline_px**2
         normal, right = normal + (jacobian.T * weight) @ jacobian, right + (jacobian.T * weight) @ sides
         normal += np.diag(damping * np.diag(normal) + _TINY)
-        if self.sight.table:
-            normal += firmly_on(self.sight.table, now.solids, self.sight.focal_px)[0][0]
+        normal += firmly_on(self.table, now.solids, self.sight.focal_px)[0][0]
         return np.asarray(-np.linalg.solve(normal, right))
 
     def _slopes(self, now: _State) -> Floats:

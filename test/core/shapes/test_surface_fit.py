@@ -5,9 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
-from rendered_solids import PARTS, PLACED, RIG, solid_of, table_of
-from rendering import HexPrism, Scene, Solid
-from rigs import rotation
+from rendered_solids import PARTS, PATTERNED, PLACED, RIG, table_of, true_fit
+from rendering import Scene
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes import Outline, SolidFit
@@ -17,17 +16,13 @@ from stereo_pick.core.shapes.surface import entered
 from stereo_pick.core.shapes.surface_fit import Surface, solids_onto
 
 TABLE = table_of(RIG, PLACED)
-KINDS: dict[str, Solid] = {**PARTS, "hexprism": HexPrism(0.0, 0.0, (0.05, 0.05 * 2 / 3**0.5, 0.06), yaw_rad=0.2)}
+KINDS = {**PARTS, "hexprism": PATTERNED["hexprism"]}
 TOO_WIDE_PX, SIGMA_PX = 4, 0.5
 every_kind = pytest.mark.parametrize("name", KINDS)
 
 
-def true_fit(name: str) -> SolidFit:
-    part = KINDS[name]
-    turned = rotation((0.0, 0.0, np.pi / 6)) if isinstance(part, HexPrism) else None
-    solid = solid_of(RIG, Scene((part,), PLACED), part, turned=turned)
-    kind = solid.kind.name
-    return SolidFit(kind, solid.centre_m[0], solid.rotation[0], solid.size_m()[0], 0.1, 1e-8 * np.eye(3))
+def fit_of(name: str) -> SolidFit:
+    return true_fit(RIG, Scene((KINDS[name],), PLACED), KINDS[name])
 
 
 def too_wide(fit: SolidFit) -> tuple[Outline, Outline]:
@@ -78,7 +73,7 @@ def _of(solid: Solids) -> tuple[Floats, Floats, Floats]:
 @every_kind
 def test_it_passes_through_the_surface_though_its_outlines_are_too_wide(name: str) -> None:
     """It is as high as it is; where a box ends behind, outlines alone tell."""
-    fit = true_fit(name)
+    fit = fit_of(name)
     surface, pair = surface_of(fit), too_wide(fit)
     nowhere = Surface(np.zeros((0, 3)), np.zeros(0), SIGMA_PX)
     without = of_its_kind(fit, solids_onto(nowhere, [pair], RIG, TABLE))
@@ -90,13 +85,13 @@ def test_it_passes_through_the_surface_though_its_outlines_are_too_wide(name: st
 
 @every_kind
 def test_what_is_found_stands_on_the_table(name: str) -> None:
-    fit = true_fit(name)
+    fit = fit_of(name)
     for solid in solids_onto(surface_of(fit), [too_wide(fit)], RIG, TABLE):
         assert abs(TABLE.under(solid)[0][0]) < 1e-6
 
 
 def test_a_few_places_that_are_something_elses_do_not_matter() -> None:
-    fit = true_fit("box")
+    fit = fit_of("box")
     seen = surface_of(fit)
     far = np.random.default_rng(0).random(len(seen.disparity_px)) < 0.2
     mixed = seen._replace(disparity_px=seen.disparity_px + 5.0 * far)
@@ -105,4 +100,4 @@ def test_a_few_places_that_are_something_elses_do_not_matter() -> None:
 
 
 def test_without_outlines_there_is_nothing() -> None:
-    assert solids_onto(surface_of(true_fit("box")), [], RIG, TABLE) == []
+    assert solids_onto(surface_of(fit_of("box")), [], RIG, TABLE) == []
