@@ -88,7 +88,7 @@ def test_a_row_of_windows_shows_no_surface_nor_do_those_that_one_view_shows_as_a
 @pytest.mark.parametrize("rows", range(1, 8))
 @pytest.mark.parametrize("slope", [0.0, 0.5, 0.9])
 def test_however_narrow_it_is_solids_can_be_fitted_or_there_are_none(rows: int, slope: float) -> None:
-    """Of some rows (1 and 3, at a slope of a half) the starts were a system without a solution, and the pair was lost."""
+    """Of some (1 and 3 rows, a slope of a half) the starts were a system without a solution: the pair was lost."""
     columns, places = (each.ravel() for each in np.meshgrid(np.arange(100.0, 190, 3), 100.0 + 3 * np.arange(rows)))
     one = Risen(Windows(np.stack([columns, places], axis=1), 40 + slope * (columns - 100)), 1.0)
     assert all(np.isfinite(each.centre_m).all() for each in one.solids(RIG, TABLE))
