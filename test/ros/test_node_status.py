@@ -534,6 +534,69 @@ def test_triangulation_tells_of_rays_that_do_not_meet_and_publishes_an_empty_arr
     assert [round(pose.position.z, 6) for pose in poses[-1].poses] == [1.0, 1.0]
 
 
+def test_triangulation_takes_what_was_long_looked_for_in_the_images_of_fast_cameras(graph: Graph) -> None:
+    """Of cameras with 30 images a second it located nothing where a pair took a third of a second or more."""
+    graph.host(TriangulationNode(graph.context))
+    poses, cameras = graph.listen(OBJECT_POSES), Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    table = graph.publisher(CORRESPONDENCES)
+
+    def result(taken_ns: int) -> None:
+        table.publish(correspondences_message(_rows(RIG, 0.0), taken_ns, "left_eye"))
+
+    def infos() -> None:
+        cameras.stamp_ns += STEP_NS
+        for side in SIDES:
+            cameras.info(side, getattr(RIG, side))
+
+    def pair() -> None:
+        infos()
+        result(cameras.stamp_ns)
+
+    cameras.until(pair, lambda: poses, "all listen to each other")
+    graph.spin(0.2)
+    poses.clear()
+    taken_ns = cameras.stamp_ns + STEP_NS
+    for _ in range(100):
+        infos()
+        graph.spin(0.02)
+    result(taken_ns)
+    graph.wait(
+        lambda: any(stamp_ns(each.header.stamp) == taken_ns for each in poses), "the poses of the first pair", 10
+    )
+
+
+def test_correspondence_tells_that_the_node_before_it_has_ended(graph: Graph, demo: RectifiedPair) -> None:
+    graph.host(CorrespondenceNode(graph.context))
+    cameras = Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    cameras.until(
+        lambda: cameras.pair(demo.left, demo.right, demo.rig),
+        told(graph, "correspondence", OK, "4 objects"),
+        "it works",
+    )
+    for each in cameras.images.values():
+        graph.node.destroy_publisher(each)
+    gone = told(graph, "correspondence", WARN, "nobody publishes /left/image_rect, /right/image_rect any more")
+    graph.wait(gone, "both are named")
+
+
+def test_triangulation_tells_that_nothing_belongs_together_any_more(graph: Graph) -> None:
+    graph.host(TriangulationNode(graph.context))
+    cameras, table = Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT), graph.publisher(CORRESPONDENCES)
+
+    def send(off_ns: int) -> None:
+        cameras.stamp_ns += STEP_NS
+        for side in SIDES:
+            cameras.info(side, getattr(RIG, side))
+        table.publish(correspondences_message(_rows(RIG, 0.0), cameras.stamp_ns + off_ns, "left_eye"))
+
+    together = told(graph, "triangulation", OK, "2 objects located")
+    cameras.until(lambda: send(0), together, "it works")
+    cameras.until(
+        lambda: send(1), told(graph, "triangulation", WARN, "of one stamp", "/correspondences"), "other stamps"
+    )
+    cameras.until(lambda: send(0), together, "it works again")
+
+
 def test_triangulation_refuses_a_table_of_another_make(graph: Graph) -> None:
     graph.host(TriangulationNode(graph.context))
     poses, cameras = graph.listen(OBJECT_POSES), Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)

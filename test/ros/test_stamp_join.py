@@ -69,3 +69,29 @@ def test_silent_topics_are_named() -> None:
     assert join.silent() == ["a", "b", "c"]
     put(join, "b", 1)
     assert join.silent() == ["a", "c"]
+
+
+def test_as_many_stamps_wait_as_it_is_told() -> None:
+    joined = Joined()
+    join = StampJoin(TOPICS, joined, depth=100)
+    for stamp in range(101):
+        put(join, "a", stamp)
+        put(join, "b", stamp)
+    put(join, "c", 1)
+    put(join, "c", 0)
+    assert joined == [(1,) * 3]
+
+
+def test_where_nothing_joins_any_more_it_says_so_until_something_does() -> None:
+    join, joined = made()
+    for stamp in range(100):
+        put(join, "a", stamp)
+        put(join, "b", stamp)
+    assert not join.is_apart  # nothing came on the third: it may be slow
+    for stamp in range(200, 210):
+        assert not join.is_apart
+        put(join, "c", stamp)
+    assert join.is_apart
+    for topic in TOPICS:
+        put(join, topic, 300)
+    assert joined == [(300,) * 3] and not join.is_apart

@@ -26,6 +26,9 @@ from stereo_pick.ros.parameters import Values
 from stereo_pick.ros.process import run_nodes
 from stereo_pick.ros.topics import CORRESPONDENCES, OBJECT_MARKERS, OBJECT_POSES, OBJECTS
 
+# Stamps of which camera_info waits for the correspondences: those of half a minute of images, at a hundred a second.
+_WAITING = 3000
+
 
 @dataclass(frozen=True)
 class TriangulationOptions(Configurable):
@@ -46,7 +49,7 @@ class TriangulationNode(JoinedNode):
 
     def __init__(self, context: Context) -> None:
         groups: dict[str, type[Configurable]] = {"": TriangulationOptions, **triangulation_groups()}
-        super().__init__("triangulation", context, declared(groups), [CORRESPONDENCES])
+        super().__init__("triangulation", context, declared(groups), [CORRESPONDENCES], _WAITING)
         self._options = configured(TriangulationOptions, "", self.parameters.values)
         self._positioning = _positioning(self._options)
         self._poses = self.advertise(OBJECT_POSES)
