@@ -44,8 +44,9 @@ class Risen:
     @property
     def shows_a_surface(self) -> bool:
         """Whether it is wider than windows are, in both views, and some of these show its surface alone."""
-        apart = int(self._is_within.sum()) * STRIDE_PX**2 / SIDE_PX**2  # as many as share no pixels
-        return apart >= _LEAST_APART and all(len(self._drawn_in(side, SIDE_PX / 2)) > 2 for side in self._sides)
+        if not _may_show_a_surface(self.windows.centre_px):
+            return False
+        return all(len(self._drawn_in(side, SIDE_PX / 2)) > 2 for side in self._sides)
 
     @property
     def blobs(self) -> BlobPair:
@@ -67,7 +68,7 @@ class Risen:
 
     def _surface(self, rig: StereoRig) -> Surface:
         """What the windows show of its surface, but those at its edges: these show what is nearer."""
-        within = self.windows.those(self._is_within)
+        within = self.windows.those(_is_within(self.windows.centre_px))
         places = normalized(at_full_size(within.centre_px, self.scale), rig.left)
         disparity_px = within.disparity_px / self.scale - (rig.left.P[0, 2] - rig.right.P[0, 2])
         sigma_px = _PLACED_PX / self.scale * SIDE_PX / STRIDE_PX  # windows that share pixels are not so many
@@ -82,13 +83,6 @@ class Risen:
         """The middles (N, 2) of the windows in both views."""
         left = self.windows.centre_px
         return left, left - np.c_[self.windows.disparity_px, np.zeros(len(left))]
-
-    @property
-    def _is_within(self) -> Bools:
-        """Which windows (N,) lie within the hull of all middles."""
-        hull = _hull(self.windows.centre_px)
-        edge_px = [cv2.pointPolygonTest(hull, (x, y), True) for x, y in self.windows.centre_px.tolist()]
-        return np.array(edge_px) > SIDE_PX / 2
 
     def _drawn_in(self, middles_px: Floats, by_px: float) -> Floats:
         """The hull of windows in the whole view, drawn in, as a contour (K, 2); (0, 2) where what is left is narrower
@@ -110,10 +104,26 @@ def all_risen(seen: SeenTable, table: Table, solids: Sequence[SolidFit], outline
     largest first. outlines_px: (K, 2) each, in the left view, one of which must show some of it."""
     pieces = seen.pieces_off(seen.clear_of_all(solids) & seen.itself)
     pieces = [each for each in pieces if any(_shows(outline, each, seen.scale) for outline in outlines_px)]
+    pieces = [
+        each for each in pieces if _may_show_a_surface(each)
+    ]  # before the right view is looked at: that takes long
     found = [most_of(_matched(each, seen, table)) for each in pieces]
     found.sort(key=lambda each: len(each.disparity_px), reverse=True)
     risen = [Risen(each, seen.scale) for each in found if len(each.disparity_px) >= LEAST]
     return [each for each in risen if each.shows_a_surface]
+
+
+def _may_show_a_surface(middles_px: Floats | Ints) -> bool:
+    """Whether enough windows (N, 2) show a surface alone, sharing pixels as they do."""
+    apart = int(_is_within(middles_px).sum()) * STRIDE_PX**2 / SIDE_PX**2  # as many as share no pixels
+    return apart >= _LEAST_APART
+
+
+def _is_within(middles_px: Floats | Ints) -> Bools:
+    """Which windows (N,) lie within the hull of all middles (N, 2)."""
+    hull = _hull(middles_px)
+    edge_px = [cv2.pointPolygonTest(hull, (x, y), True) for x, y in middles_px.tolist()]
+    return np.array(edge_px) > SIDE_PX / 2
 
 
 def _shows(outline_px: Floats, places: Ints, scale: float) -> bool:
@@ -143,5 +153,5 @@ def _without_edges(contour_px: Floats) -> Blob:
     return Blob(contour_px, 0.0, fault="merged", sharpness=np.full(len(contour_px), CUT))
 
 
-def _hull(points_px: Floats) -> NDArray[np.float32]:
+def _hull(points_px: Floats | Ints) -> NDArray[np.float32]:
     return np.asarray(cv2.convexHull(points_px.astype(np.float32))[:, 0], np.float32)
