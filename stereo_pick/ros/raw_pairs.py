@@ -22,7 +22,8 @@ from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.topics import IMAGE_RAW, SIDES
 
 _SILENT_AFTER_S = 2.0
-_RECENT = 40  # images over which those without partner are counted
+_PATIENCE = 3  # times as long as the longest of the last pauses between images: cameras may be triggered for each pick
+_RECENT = 40  # images over which those without partner are counted, and pauses
 _TYPE = "sensor_msgs/msg/Image"
 _LOST_ON_THE_WAY = "give its driver the Fast DDS profile, without which large images get lost (docs/nodes.md)"
 
@@ -73,6 +74,7 @@ class RawPairs:
         """Pair by this offset of the stamps from now on."""
         self._first_ns: int | None = None
         self._last_ns.clear()
+        self._pauses_ns: deque[int] = deque(maxlen=_RECENT)
         for others in self._since_ns.values():
             others.clear()
         self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9))
@@ -157,18 +159,22 @@ class RawPairs:
     def _silent(self) -> list[Side]:
         """Both sides where nothing comes any more, or the one that the other has left behind: by two images, since one
         is the partner of its last, and the second one's own may be on its way, however seldom they come."""
-        long_ago_ns = self._now_ns() - _SILENT_AFTER_S * 1e9
-        if max(self._last_ns.values()) < long_ago_ns:
+        now_ns, long_ns = self._now_ns(), _SILENT_AFTER_S * 1e9
+        if now_ns - max(self._last_ns.values()) > max(long_ns, _PATIENCE * max(self._pauses_ns, default=0)):
             return list(SIDES)
+        long_ago_ns = now_ns - long_ns
         return [side for side in SIDES if len(self._since_ns[side]) == 2 and self._since_ns[side][1] < long_ago_ns]
 
     def _add(self, side: Side, message: Image) -> None:
-        self._last_ns[side] = self._now_ns()
-        self._first_ns = self._first_ns or self._last_ns[side]
+        now_ns = self._now_ns()
+        if side in self._last_ns:
+            self._pauses_ns.append(now_ns - self._last_ns[side])
+        self._last_ns[side] = now_ns
+        self._first_ns = self._first_ns or now_ns
         self._since_ns[side].clear()
         for other in SIDES:
             if other != side and len(self._since_ns[other]) < 2:
-                self._since_ns[other].append(self._last_ns[side])
+                self._since_ns[other].append(now_ns)
         taken_ns = stamp_ns(message.header.stamp)
         fault = self._order.fault(side, taken_ns)
         if fault is not None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from stereo_pick.core.pairing import Side
-from stereo_pick.ros.messages.diagnostics import ERROR
+from stereo_pick.ros.messages.diagnostics import ERROR, WARN
 from stereo_pick.ros.messages.images import image_message
 from stereo_pick.ros.raw_pairs import RawPairs
 from stereo_pick.ros.topics import SIDES
@@ -55,6 +55,25 @@ def test_cameras_that_send_seldom_are_never_silent_between_left_and_right(
             driver.send(side, later_ns * (side == "right"))
             if driver.pairs.counts.pairs:
                 assert driver.errors() == []
+
+
+@pytest.mark.parametrize(("period_s", "silent_s"), [(0.1, 2), (5, 15)])
+def test_both_are_silent_after_three_times_their_longest_pause_and_two_seconds(
+    period_s: float, silent_s: float
+) -> None:
+    """Cameras that are triggered for each pick are not called dead between picks."""
+    driver = Driver()
+    for _ in range(10):
+        for side in SIDES:
+            driver.send(side)
+        driver.now_ns += round(period_s * SECOND_NS)
+        assert driver.now_ns <= 5 * SECOND_NS or driver.pairs.trouble() is None
+    sent_ns = driver.now_ns - round(period_s * SECOND_NS)
+    driver.now_ns = sent_ns + round(silent_s * SECOND_NS)
+    assert driver.pairs.trouble() is None
+    driver.now_ns += 1
+    status = driver.pairs.trouble()
+    assert status is not None and status.level == WARN and "any more" in status.message
 
 
 @pytest.mark.parametrize(("period_s", "within_s"), [(0.1, 2.5), (5, 16)])
