@@ -34,8 +34,8 @@ _OF_MANY = (DIAGNOSTICS, CLOCK)  # topics that several nodes may publish, as one
 class StepNode(Node):
     """A node around one step of the pipeline.
 
-    A StereoPickError in a callback drops that message and becomes the node's status: one bad image must not end
-    the node, and must not pass unseen.
+    A StereoPickError in a callback drops that message and becomes the node's status until one went well: a bad image
+    must not end the node, and must not pass unseen.
     """
 
     finished = False
@@ -45,6 +45,7 @@ class StepNode(Node):
         super().__init__(name, context=context)
         self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._error: StereoPickError | None = None
+        self._is_new = self._is_over = False  # the error
         self.last_error = ""
         self._last_logged = (OK, "")
         self._topics: list[str] = []
@@ -80,10 +81,18 @@ class StepNode(Node):
                 topic.type, topic.name, self._guarded(callback), _own(topic.qos), qos_overriding_options=options
             )
 
+    def went_well(self) -> None:
+        """Report no error before this one again: what came last was processed."""
+        self._is_over = True
+
     def report(self) -> None:
         """Publish the node's status, and log it where it is new and not OK."""
-        status = self.status() if self._error is None else Status(ERROR, str(self._error))
-        self._error = None
+        status = self.status()
+        if self._error is not None and (self._is_new or status.level == OK):
+            status = Status(ERROR, str(self._error))
+        self._is_new = False
+        if self._is_over:
+            self._error = None
         if status.level == OK:
             status = replace(self.mixed() or status, values=status.values)
         if self.rig is not None:
@@ -139,6 +148,7 @@ class StepNode(Node):
                 callback(message)
             except StereoPickError as error:
                 self._error, self.last_error = error, str(error)
+                self._is_new, self._is_over = True, False
                 self._log(Status(ERROR, str(error)))
 
         return guarded

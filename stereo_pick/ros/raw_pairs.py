@@ -200,6 +200,7 @@ class RawPairs:
                 "hang? Restart it, and its driver"
             )
         self._paired(pair)
+        self._node.went_well()
 
     def _dropped(self) -> int:
         return self.counts.dropped_left + self.counts.dropped_right

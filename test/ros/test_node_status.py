@@ -565,6 +565,20 @@ def test_triangulation_takes_what_was_long_looked_for_in_the_images_of_fast_came
     )
 
 
+def test_an_error_stays_until_something_goes_well(graph: Graph, demo: RectifiedPair) -> None:
+    """Between pairs that come seldom, or take long, the node was OK by the last one that had gone well."""
+    graph.host(CorrespondenceNode(graph.context))
+    cameras = Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    well = told(graph, "correspondence", OK, "4 objects")
+    cameras.until(lambda: cameras.pair(demo.left, demo.right, demo.rig), well, "it works")
+    bad = told(graph, "correspondence", ERROR, "rectified right image is")
+    cameras.until(lambda: cameras.pair(demo.left, demo.right[::2, ::2], demo.rig), bad, "a bad image")
+    reports = len(graph.diagnostics)
+    graph.wait(lambda: len(graph.diagnostics) > reports + 5, "more reports")
+    assert bad()
+    cameras.until(lambda: cameras.pair(demo.left, demo.right, demo.rig), well, "it works again")
+
+
 def test_correspondence_tells_that_the_node_before_it_has_ended(graph: Graph, demo: RectifiedPair) -> None:
     graph.host(CorrespondenceNode(graph.context))
     cameras = Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)

@@ -29,6 +29,7 @@ class Driver:
             resolve_topic_name=lambda name: f"/{name}",
             get_publishers_info_by_topic=lambda _topic: [],
             mixed=lambda: None,
+            went_well=lambda: None,
         )
         self.pairs = RawPairs(self.node, lambda _pair: None)
         self.pairs.restart(0.01)
