@@ -39,6 +39,7 @@ class StepNode(Node):
     """
 
     finished = False
+    may_be_abandoned = False
     rig: StereoRig | None = None  # that of the node's last camera_info; its hash goes into the diagnostics
 
     def __init__(self, name: str, context: Context, parameters: Mapping[str, Parameter]) -> None:
@@ -114,6 +115,15 @@ class StepNode(Node):
                     "that of one; end all but one (what was killed is forgotten after some 20 s)",
                 )
         return None
+
+    @contextmanager
+    def abandonable(self) -> Iterator[None]:
+        """Work of seconds within which a signal ends the process at once: it computes, and leaves nothing half done."""
+        self.may_be_abandoned = True
+        try:
+            yield
+        finally:
+            self.may_be_abandoned = False
 
     @property
     def is_heard(self) -> bool:

@@ -30,17 +30,27 @@ _PROFILE = Path(__file__).with_name("fastdds_profile.xml")
 NodeFactory = Callable[[Context], StepNode]
 
 
+class _Abandoned(BaseException):
+    """A signal came within work that may be abandoned. No Exception, which rclpy would keep until the work is done."""
+
+
 def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = None) -> int:
     """Spin nodes in this process until they are done, or until SIGINT or SIGTERM; return the exit status.
 
-    rclpy's own signal handlers race with its shutdown; here a handler only sets an event.
+    rclpy's own signal handlers race with its shutdown; here a handler only sets an event, and abandons what may be.
     """
     prepare_process()
     stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
     context = Context()
     nodes: list[StepNode] = []
+
+    def end(*_: object) -> None:
+        stop.set()
+        if any(node.may_be_abandoned for node in nodes):
+            raise _Abandoned
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end)
     try:
         start_ros(context, args)
         for factory in factories:
@@ -48,6 +58,8 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
         warn_of_misspelled(nodes)
         warn_of_unread(nodes, sys.argv if args is None else args)
         _spin(nodes, context, stop)
+        return 0
+    except _Abandoned:
         return 0
     except StereoPickError as error:
         print(f"stereo-pick: error: {error}", file=sys.stderr)

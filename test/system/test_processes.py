@@ -19,7 +19,7 @@ from stereo_pick.ros.messages.cameras import camera_info_message
 from stereo_pick.ros.messages.diagnostics import ERROR
 from stereo_pick.ros.messages.images import image_message
 from stereo_pick.ros.process import start_ros
-from stereo_pick.ros.topics import CAMERA_INFO, IMAGE_RAW, OBJECT_POSES, SIDES
+from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RAW, IMAGE_RECT, OBJECT_POSES, SIDES
 
 CONFIG = Path(__file__).parents[2] / "config" / "stereo_pick.yaml"
 
@@ -71,6 +71,42 @@ def test_a_signal_ends_what_still_loads(
     child.wait_for_output("loading")
     assert child.end(number)[0] == status
     assert child.output.strip() == "loading"
+
+
+LOOKING_FOR_EVER = """
+import sys, time
+from stereo_pick.core.pipeline import Steps
+from stereo_pick.ros.executables import correspondence
+
+def correspond(*_):
+    print("looking", flush=True)
+    for _ in range(600_000):
+        time.sleep(0.001)
+
+Steps.correspond = correspond
+sys.exit(correspondence())
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_correspondence_node_while_it_looks_at_a_pair(number: signal.Signals, system: System) -> None:
+    """A hard pair takes longer than `ros2 launch` waits before it kills."""
+    rig, grey = load_rig(DEMO_RIG), np.full((480, 640), 90, np.uint8)
+    child, graph = system.start(sys.executable, "-c", LOOKING_FOR_EVER), system.graph
+    images = {side: graph.publisher(IMAGE_RECT[side]) for side in SIDES}
+    infos = {side: graph.publisher(CAMERA_INFO_RECT[side]) for side in SIDES}
+
+    def looks() -> bool:
+        for side in SIDES:
+            infos[side].publish(camera_info_message(getattr(rig, side), 10**18, f"{side}_eye"))
+            images[side].publish(image_message(grey, 10**18, f"{side}_eye"))
+        graph.spin(0.2)
+        return "looking" in child.output
+
+    graph.wait(looks, "it looks at a pair")
+    status, seconds = child.end(number)
+    assert status == 0, child.output
+    assert seconds < 2 * slowness()
 
 
 def test_a_dead_camera_and_a_cut_image_are_told_and_give_no_pose(system: System) -> None:

@@ -73,7 +73,8 @@ class CorrespondenceNode(JoinedNode):
             self._last = collect([], [])
             self._correspondences.publish(correspondences_message(self._last, pair.stamp_ns, frame_id))
             return
-        blobs, self._last = self.steps.correspond(pair)
+        with self.abandonable():
+            blobs, self._last = self.steps.correspond(pair)
         self._correspondences.publish(correspondences_message(self._last, pair.stamp_ns, frame_id))
         if self._annotated.get_subscription_count() > 0:
             self._annotated.publish(image_message(annotate(pair, blobs, self._last), pair.stamp_ns, frame_id))
