@@ -13,6 +13,7 @@ from stereo_pick.core.objects.blob import CUT
 
 _BEYOND_PX = 1.0  # by which the outline reaches beyond a cut where its end is the object's
 _ROUGHLY = 0.5  # of what the area of a cut object tells
+_LEAST_AREA_PX2 = 1e-6  # of what is but a line
 
 _ROWS_PX, _OF_HEIGHT, _AREA_RATIO = 3.0, 2.0, 4.0  # by how much pieces of one object may differ
 
@@ -58,7 +59,9 @@ class Similarity:
 def _features(blobs: Sequence[Blob]) -> Floats:
     """Top, bottom and centroid row, centroid column, area [px, px²], and how far the rows and the area are the
     object's own, 1 wholly, 0 not at all: (N, 9)."""
-    rows = [(*blob.rows_px, blob.centroid_px[1], blob.centroid_px[0], blob.area_px2, *_own(blob)) for blob in blobs]
+    rows = [
+        (*blob.rows_px, *blob.centroid_px[::-1], max(blob.area_px2, _LEAST_AREA_PX2), *_own(blob)) for blob in blobs
+    ]
     return np.array(rows, np.float64).reshape(-1, 9)
 
 
