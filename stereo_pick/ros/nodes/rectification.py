@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 from rclpy.context import Context
+from rclpy.qos import DurabilityPolicy
 from sensor_msgs.msg import CameraInfo, Image
 
 from stereo_pick.core.errors import StereoPickError
@@ -71,18 +72,28 @@ class RectificationNode(StepNode):
             return replace(trouble, values=values)
         if self._refused is not None:
             return Status(ERROR, str(self._refused), values)
-        missing = [
-            self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if self._infos[side].latest is None
-        ]
-        if missing:
-            message = f"no message on {' and '.join(missing)}: is the camera calibrated, and its camera_info published?"
-            return Status(self._raw.missing_level(), message, values)
+        if missing := self._missing_info():
+            return Status(self._raw.missing_level(), missing, values)
         if trouble is not None:
             return replace(trouble, values=values)
         if self._rectified == 0:
             return Status(ERROR, self.last_error or f"none of {counts.pairs} pairs could be rectified", values)
         twice = self._rectified_before()
         return Status(WARN, twice, values) if twice else Status(OK, f"{self._rectified} pairs rectified", values)
+
+    def _missing_info(self) -> str:
+        """What to say where no camera_info has come of a camera."""
+        topics = [self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if self._infos[side].latest is None]
+        if not topics:
+            return ""
+        missing = f"no message on {' and '.join(topics)}: is the camera calibrated, and its camera_info published?"
+        publishers = [each for topic in topics for each in self.get_publishers_info_by_topic(topic)]
+        if not any(each.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for each in publishers):
+            return missing
+        return (
+            f"{missing} It is published as transient_local: if once only, have it sent again, by qos_overrides of the "
+            "subscription: reliability reliable, durability transient_local (docs/nodes.md)"
+        )
 
     def _rectified_before(self) -> str:
         """What to say of images that were rectified before they came here; nothing where rectifying changes nothing."""
