@@ -81,6 +81,11 @@ class StepNode(Node):
                 topic.type, topic.name, self._guarded(callback), _own(topic.qos), qos_overriding_options=options
             )
 
+    def repeat(self, period_s: float, callback: Callable[[], None]) -> None:
+        """Call back again and again; errors become the node's status."""
+        guarded = self._guarded(lambda _: callback())
+        self.create_timer(period_s, lambda: guarded(None), clock=self.steady_clock)
+
     def report(self) -> None:
         """Publish the node's status, and log it where it is new and not OK."""
         status = self.status() if self._error is None else Status(ERROR, str(self._error))

@@ -299,6 +299,19 @@ def test_rectification_asks_for_the_camera_info_that_is_missing_and_then_uses_wh
     graph.wait(lambda: stamp_ns(images[-1].header.stamp) == held_ns, "the last of them")
 
 
+def test_a_pair_of_unequal_stamps_is_rectified_though_no_other_follows(graph: Graph) -> None:
+    """As of cameras that are triggered for each part: poses were those of the part before."""
+    graph.host(RectificationNode(graph.context))
+    images, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
+    cameras.until(cameras.pair, lambda: images, "the node is up")
+    left_ns = cameras.stamp_ns
+    for side in SIDES:
+        cameras.info(side, getattr(RIG, side))
+        cameras.image(side)
+        cameras.stamp_ns += STEP_NS // 10
+    graph.wait(lambda: stamp_ns(images[-1].header.stamp) == left_ns, "the last pair comes")
+
+
 def test_of_a_driver_that_sends_its_camera_info_once_rectification_tells_how_to_get_it(graph: Graph) -> None:
     cameras = Cameras(graph, infos={side: replace(CAMERA_INFO[side], qos=ONCE) for side in SIDES})
     for side in SIDES:
