@@ -312,6 +312,16 @@ def test_a_pair_of_unequal_stamps_is_rectified_though_no_other_follows(graph: Gr
     graph.wait(lambda: stamp_ns(images[-1].header.stamp) == left_ns, "the last pair comes")
 
 
+def test_a_pair_without_camera_info_of_its_own_is_rectified_though_no_other_follows(graph: Graph) -> None:
+    """Of a triggered camera whose driver sends camera_info with every other image, each other pose was late."""
+    graph.host(RectificationNode(graph.context))
+    images, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
+    cameras.until(cameras.pair, lambda: images, "camera_info come with images")
+    left_ns = cameras.stamp_ns
+    cameras.pair(rig=None)
+    graph.wait(lambda: stamp_ns(images[-1].header.stamp) == left_ns, "the last pair comes")
+
+
 def test_of_a_driver_that_sends_its_camera_info_once_rectification_tells_how_to_get_it(graph: Graph) -> None:
     cameras = Cameras(graph, infos={side: replace(CAMERA_INFO[side], qos=ONCE) for side in SIDES})
     for side in SIDES:
