@@ -24,6 +24,7 @@ from stereo_pick.ros.topics import IMAGE_RAW, SIDES
 _SILENT_AFTER_S = 2.0
 _TICK_S = 0.1
 _ON_ITS_WAY_S = 0.2  # what was taken no later than the last image has arrived by then
+_MOST_AHEAD = 30  # images of one camera that wait for the other's: half a second of them, at 60 a second
 _RECENT = 40  # images over which those without partner are counted
 _TYPE = "sensor_msgs/msg/Image"
 _LOST_ON_THE_WAY = "give its driver the Fast DDS profile, without which large images get lost (docs/nodes.md)"
@@ -80,7 +81,7 @@ class RawPairs:
         self._last_ns.clear()
         for others in self._since_ns.values():
             others.clear()
-        self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9))
+        self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9), _MOST_AHEAD)
         self._recent: deque[bool] = deque(maxlen=_RECENT)
 
     @property
