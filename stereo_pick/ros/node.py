@@ -14,7 +14,7 @@ from rclpy.duration import Duration
 from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
+from rclpy.qos import QoSPolicyKind, QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from stereo_pick.core.calibration.fingerprint import calibration_hash
@@ -28,6 +28,7 @@ from stereo_pick.ros.topics import CLOCK, DIAGNOSTICS, Topic
 CALIBRATION_HASH = "calibration_hash"
 _DIAGNOSTICS_PERIOD_S = 1.0
 _HEARD_S = 2.0  # who was killed never confirms
+_OVERRIDABLE = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
 _OF_MANY = (DIAGNOSTICS, CLOCK)  # topics that several nodes may publish, as one clock for all cells
 
 
@@ -86,6 +87,11 @@ class StepNode(Node):
         """Report no error before this one again: what came last was processed."""
         self._is_over = True
 
+    def repeat(self, period_s: float, callback: Callable[[], None]) -> None:
+        """Call back again and again; errors become the node's status."""
+        guarded = self._guarded(lambda _: callback())
+        self.create_timer(period_s, lambda: guarded(None), clock=self.steady_clock)
+
     def report(self) -> None:
         """Publish the node's status, and log it where it is new and not OK."""
         status = self.status()
@@ -142,11 +148,12 @@ class StepNode(Node):
         if topic not in _OF_MANY:
             self._topics.append(name)
         try:
-            yield QoSOverridingOptions.with_default_policies()
+            yield QoSOverridingOptions(_OVERRIDABLE)
         except (RuntimeError, InvalidParameterTypeException) as error:
             raise ParameterError(
                 f"correct the parameters qos_overrides.{name}.{end}.*: reliability is reliable or best_effort, history "
-                f"keep_last or keep_all, depth a number from 1: {' '.join(str(error).split())}"
+                "keep_last or keep_all, durability volatile or transient_local, depth a number from 1: "
+                + " ".join(str(error).split())
             ) from None
 
     def _reconfigure(self) -> None:

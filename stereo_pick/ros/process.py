@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import shlex
+import shutil
 import signal
 import sys
 import threading
@@ -26,6 +27,8 @@ from stereo_pick.ros.unread_files import warn_of_unread
 _SPIN_S = 0.1
 _PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
 _PROFILE = Path(__file__).with_name("fastdds_profile.xml")
+_SHARED_MEMORY = "/dev/shm"
+_SEGMENT_BYTES = 36_000_000  # what Fast DDS takes there for the profile's segment_size
 
 NodeFactory = Callable[[Context], StepNode]
 
@@ -43,6 +46,7 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
     stop = threading.Event()
     context = Context()
     nodes: list[StepNode] = []
+    lack = _lack_of_shared_memory()
 
     def end(*_: object) -> None:
         stop.set()
@@ -55,6 +59,8 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
         start_ros(context, args)
         for factory in factories:
             nodes.append(factory(context))
+        if lack:
+            nodes[0].get_logger().warning(lack)
         warn_of_misspelled(nodes)
         warn_of_unread(nodes, sys.argv if args is None else args)
         _spin(nodes, context, stop)
@@ -83,6 +89,20 @@ def prepare_process() -> None:
         return
     for option, value in ((-3, 32 << 20), (-1, 256 << 20), (-2, 16 << 20)):  # mmap and trim threshold, top pad
         mallopt(option, value)
+
+
+def _lack_of_shared_memory() -> str:
+    """What to say where this process will get no shared memory for its images; nothing where it will."""
+    if os.environ.get(_PROFILE_VARIABLE) != str(_PROFILE) or not os.path.isdir(_SHARED_MEMORY):
+        return ""
+    free_bytes = shutil.disk_usage(_SHARED_MEMORY).free
+    if free_bytes >= _SEGMENT_BYTES:
+        return ""
+    return (
+        f"{_SHARED_MEMORY} has only {free_bytes / 1e6:.0f} MB left, and Fast DDS needs {_SEGMENT_BYTES / 1e6:.0f} for "
+        "each process: large images get lost on their way; give a container more (docker run --shm-size=1g), and "
+        "remove what killed processes left there (fastdds shm clean)"
+    )
 
 
 def start_ros(context: Context, args: Sequence[str] | None) -> None:

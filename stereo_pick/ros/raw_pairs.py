@@ -23,6 +23,9 @@ from stereo_pick.ros.topics import IMAGE_RAW, SIDES
 
 _SILENT_AFTER_S = 2.0
 _PATIENCE = 3  # times as long as the longest of the last pauses between images: cameras may be triggered for each pick
+_TICK_S = 0.1
+_ON_ITS_WAY_S = 0.2  # what was taken no later than the last image has arrived by then
+_MOST_AHEAD = 30  # images of one camera that wait for the other's: half a second of them, at 60 a second
 _RECENT = 40  # images over which those without partner are counted, and pauses
 _TYPE = "sensor_msgs/msg/Image"
 _LOST_ON_THE_WAY = "give its driver the Fast DDS profile, without which large images get lost (docs/nodes.md)"
@@ -69,15 +72,18 @@ class RawPairs:
         """Subscribe to both images."""
         for side in SIDES:
             self._node.listen(IMAGE_RAW[side], partial(self._add, side))
+        self._node.repeat(_TICK_S, self._on_tick)
 
     def restart(self, max_stamp_offset_s: float) -> None:
         """Pair by this offset of the stamps from now on."""
+        self._patience_s = max_stamp_offset_s + _ON_ITS_WAY_S
+        self._quiet_s = 0.0
         self._first_ns: int | None = None
         self._last_ns.clear()
         self._pauses_ns: deque[int] = deque(maxlen=_RECENT)
         for others in self._since_ns.values():
             others.clear()
-        self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9))
+        self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9), _MOST_AHEAD)
         self._recent: deque[bool] = deque(maxlen=_RECENT)
 
     @property
@@ -165,7 +171,17 @@ class RawPairs:
         long_ago_ns = now_ns - long_ns
         return [side for side in SIDES if len(self._since_ns[side]) == 2 and self._since_ns[side][1] < long_ago_ns]
 
+    def _on_tick(self) -> None:
+        """Call back with the pair that waits for a nearer partner, once none can come any more: of cameras that are
+        triggered for each part, it would wait for the next part."""
+        self._quiet_s += _TICK_S  # not by the clock: after a node was held up, images may wait to be taken
+        counts = self.counts
+        waiting = (counts.left - counts.dropped_left, counts.right - counts.dropped_right)
+        if self._quiet_s > self._patience_s and waiting == (counts.pairs + 1, counts.pairs + 1):
+            self.flush()
+
     def _add(self, side: Side, message: Image) -> None:
+        self._quiet_s = 0.0
         now_ns = self._now_ns()
         if side in self._last_ns:
             self._pauses_ns.append(now_ns - self._last_ns[side])

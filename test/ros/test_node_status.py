@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rigs
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ros_tools import Graph, reserved_domain
 from sensor_msgs.msg import CompressedImage
 
@@ -51,6 +52,7 @@ RIG = StereoRig.from_extrinsics(
     rigs.camera("right", 220.0, (79.5, 59.5), size_px=SIZE_PX),
     Transform(np.eye(3), np.array([-0.1, 0.0, 0.0])),
 )
+ONCE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 GREY = np.full(SIZE_PX[::-1], 90, np.uint8)
 
 
@@ -295,6 +297,52 @@ def test_rectification_asks_for_the_camera_info_that_is_missing_and_then_uses_wh
     held_ns = cameras.stamp_ns - STEP_NS
     cameras.until(lambda: cameras.info("right", RIG.right), lambda: images, "the held pairs come")
     graph.wait(lambda: stamp_ns(images[-1].header.stamp) == held_ns, "the last of them")
+
+
+def test_a_pair_of_unequal_stamps_is_rectified_though_no_other_follows(graph: Graph) -> None:
+    """As of cameras that are triggered for each part: poses were those of the part before."""
+    graph.host(RectificationNode(graph.context))
+    images, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
+    cameras.until(cameras.pair, lambda: images, "the node is up")
+    left_ns = cameras.stamp_ns
+    for side in SIDES:
+        cameras.info(side, getattr(RIG, side))
+        cameras.image(side)
+        cameras.stamp_ns += STEP_NS // 10
+    graph.wait(lambda: stamp_ns(images[-1].header.stamp) == left_ns, "the last pair comes")
+
+
+def test_a_pair_without_camera_info_of_its_own_is_rectified_though_no_other_follows(graph: Graph) -> None:
+    """Of a triggered camera whose driver sends camera_info with every other image, each other pose was late."""
+    graph.host(RectificationNode(graph.context))
+    images, cameras = graph.listen(IMAGE_RECT["left"]), Cameras(graph)
+    cameras.until(cameras.pair, lambda: images, "camera_info come with images")
+    left_ns = cameras.stamp_ns
+    cameras.pair(rig=None)
+    graph.wait(lambda: stamp_ns(images[-1].header.stamp) == left_ns, "the last pair comes")
+
+
+def test_of_a_driver_that_sends_its_camera_info_once_rectification_tells_how_to_get_it(graph: Graph) -> None:
+    cameras = Cameras(graph, infos={side: replace(CAMERA_INFO[side], qos=ONCE) for side in SIDES})
+    for side in SIDES:
+        cameras.info(side, getattr(RIG, side))
+    graph.host(RectificationNode(graph.context))
+    parts = ("no message on /left/camera_info", "transient_local", "qos_overrides")
+    cameras.until(lambda: cameras.pair(rig=None), told(graph, "rectification", ERROR, *parts), "durability is named")
+
+
+def test_rectification_gets_camera_info_that_was_sent_before_it_came_where_its_parameters_ask_for_it() -> None:
+    asked = [f"qos_overrides./{side}/camera_info.subscription" for side in SIDES]
+    values = [f"{name}.{value}" for name in asked for value in ("reliability:=reliable", "durability:=transient_local")]
+    with reserved_domain() as domain:
+        graph = Graph(domain, [part for value in values for part in ("-p", value)])
+        cameras = Cameras(graph, infos={side: replace(CAMERA_INFO[side], qos=ONCE) for side in SIDES})
+        for side in SIDES:
+            cameras.info(side, getattr(RIG, side))
+        graph.host(RectificationNode(graph.context))
+        images = graph.listen(IMAGE_RECT["left"])
+        cameras.until(lambda: cameras.pair(rig=None), lambda: images, "a pair is rectified")
+        graph.close()
 
 
 def _changed(camera: Camera, **fields: Any) -> Camera:

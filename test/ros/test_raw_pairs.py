@@ -90,3 +90,15 @@ def test_one_that_has_died_is_named_alone(alive: Side, dead: Side, period_s: flo
         errors = driver.errors()
     (line,) = errors
     assert f"no image on /{dead}/image_raw any more" in line and f"/{alive}/" not in line
+
+
+@pytest.mark.parametrize(("fast", "slow"), [SIDES, SIDES[::-1]])
+def test_images_pair_where_those_of_one_camera_take_0_4_s_longer_to_come_at_60_a_second(fast: Side, slow: Side) -> None:
+    """None did, and their stamps, which are equal, were said to differ."""
+    driver, period_ns, late = Driver(), SECOND_NS // 60, 24
+    for _ in range(60):
+        driver.now_ns += period_ns
+        driver.send(fast)
+        driver.send(slow, -late * period_ns)
+    assert driver.pairs.counts.pairs == 60 - late
+    assert driver.errors() == []

@@ -43,6 +43,14 @@ def test_a_signal_ends_every_node_with_status_0_within_2_s(number: signal.Signal
         assert "rror" not in child.output
 
 
+LITTLE_MEMORY = """
+import shutil
+from types import SimpleNamespace
+
+of_disks = shutil.disk_usage
+shutil.disk_usage = lambda path: SimpleNamespace(free={free_bytes}) if path == "/dev/shm" else of_disks(path)
+"""
+
 LOADING_FOR_EVER = """
 import sys, time
 
@@ -205,3 +213,12 @@ def test_the_parameter_file_loads_in_every_node(system: System, tmp_path: Path) 
     }
     for (node, name), value in expected.items():
         assert system.graph.get_parameter(node, name) == value
+
+
+@pytest.mark.parametrize(("free_bytes", "is_told"), [(30_000_000, True), (40_000_000, False)])
+def test_a_node_tells_of_too_little_shared_memory(free_bytes: int, is_told: bool, system: System) -> None:
+    """As in a container, of which all have 64 MB: images got lost, and the profile that was there was asked for."""
+    start = "from stereo_pick.ros.nodes.rectification import main; main([])"
+    node = system.start(sys.executable, "-c", LITTLE_MEMORY.format(free_bytes=free_bytes) + start)
+    node.wait_for_output("are the cameras running?")
+    assert ("/dev/shm has only 30 MB left" in node.output) == is_told

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 from rclpy.context import Context
+from rclpy.qos import DurabilityPolicy
 from sensor_msgs.msg import CameraInfo, Image
 
 from stereo_pick.core.errors import StereoPickError
@@ -28,6 +29,8 @@ from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RAW, IMA
 from stereo_pick.sources.bag_topics import is_rectified
 
 _MAX_HELD = 5  # pairs that wait for their camera_info
+_TICK_S = 0.1
+_LATE_TICKS = 3  # camera_info that has not come by then is lost, or not sent with each image
 
 Infos = tuple[CameraInfo, CameraInfo]
 
@@ -44,6 +47,7 @@ class RectificationNode(StepNode):
         self._rectifier: Rectifier | None = None
         self._refused: StereoPickError | None = None
         self._held: list[Pair[Image]] = []
+        self._held_ticks = 0
         self._rectified = 0
         self._raw = RawPairs(self, self._on_pair)
         super().__init__("rectification", context, declared({"": RawImageOptions}))
@@ -52,6 +56,7 @@ class RectificationNode(StepNode):
         for side in SIDES:
             self.listen(CAMERA_INFO[side], partial(self._on_camera_info, side))
         self._raw.listen()
+        self.repeat(_TICK_S, self._on_tick)
 
     def configure(self, values: Values) -> RawImageOptions:
         """The options of these parameter values."""
@@ -71,18 +76,28 @@ class RectificationNode(StepNode):
             return replace(trouble, values=values)
         if self._refused is not None:
             return Status(ERROR, str(self._refused), values)
-        missing = [
-            self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if self._infos[side].latest is None
-        ]
-        if missing:
-            message = f"no message on {' and '.join(missing)}: is the camera calibrated, and its camera_info published?"
-            return Status(self._raw.missing_level(), message, values)
+        if missing := self._missing_info():
+            return Status(self._raw.missing_level(), missing, values)
         if trouble is not None:
             return replace(trouble, values=values)
         if self._rectified == 0:
             return Status(ERROR, self.last_error or f"none of {counts.pairs} pairs could be rectified", values)
         twice = self._rectified_before()
         return Status(WARN, twice, values) if twice else Status(OK, f"{self._rectified} pairs rectified", values)
+
+    def _missing_info(self) -> str:
+        """What to say where no camera_info has come of a camera."""
+        topics = [self.resolve_topic_name(CAMERA_INFO[side].name) for side in SIDES if self._infos[side].latest is None]
+        if not topics:
+            return ""
+        missing = f"no message on {' and '.join(topics)}: is the camera calibrated, and its camera_info published?"
+        publishers = [each for topic in topics for each in self.get_publishers_info_by_topic(topic)]
+        if not any(each.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for each in publishers):
+            return missing
+        return (
+            f"{missing} It is published as transient_local: if once only, have it sent again, by qos_overrides of the "
+            "subscription: reliability reliable, durability transient_local (docs/nodes.md)"
+        )
 
     def _rectified_before(self) -> str:
         """What to say of images that were rectified before they came here; nothing where rectifying changes nothing."""
@@ -101,16 +116,23 @@ class RectificationNode(StepNode):
 
     def _on_pair(self, pair: Pair[Image]) -> None:
         self._held = [*self._held, pair][-_MAX_HELD:]
+        self._held_ticks = 0
         self._rectify_held()
 
+    def _on_tick(self) -> None:
+        self._held_ticks += 1
+        if self._held_ticks == _LATE_TICKS:
+            self._rectify_held()
+
     def _rectify_held(self) -> None:
-        """Rectify what has its camera_info; the last pair waits for it until the next one comes, not longer."""
+        """Rectify what has its camera_info; the last pair waits for it a moment, or until the next one comes."""
         while self._held:
             stamps = (self._held[0].left_stamp_ns, self._held[0].right_stamp_ns)
             sides = [(self._infos[side], stamp) for side, stamp in zip(SIDES, stamps)]
             if any(info.latest is None for info, _ in sides):
                 return
-            if len(self._held) == 1 and any(info.awaits(stamp) for info, stamp in sides):
+            is_last = len(self._held) == 1 and self._held_ticks < _LATE_TICKS
+            if is_last and any(info.awaits(stamp) for info, stamp in sides):
                 return
             pair = self._held.pop(0)
             infos = self._belonging(*(info.take(stamp) for info, stamp in sides))
