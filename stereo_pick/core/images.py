@@ -24,7 +24,7 @@ Bytes: TypeAlias = "bytes | bytearray | memoryview | array[int] | NDArray[np.uin
 class _Encoding:
     channels: int
     bytes_per_channel: int = 1
-    to_bgr: int | None = None
+    conversion: int | None = None  # of OpenCV's, to grey or BGR
 
 
 _ENCODINGS = {
@@ -34,9 +34,13 @@ _ENCODINGS = {
     "16UC1": _Encoding(1, bytes_per_channel=2),
     "bgr8": _Encoding(3),
     "8UC3": _Encoding(3),
-    "rgb8": _Encoding(3, to_bgr=cv2.COLOR_RGB2BGR),
-    "bgra8": _Encoding(4, to_bgr=cv2.COLOR_BGRA2BGR),
-    "rgba8": _Encoding(4, to_bgr=cv2.COLOR_RGBA2BGR),
+    "rgb8": _Encoding(3, conversion=cv2.COLOR_RGB2BGR),
+    "bgra8": _Encoding(4, conversion=cv2.COLOR_BGRA2BGR),
+    "rgba8": _Encoding(4, conversion=cv2.COLOR_RGBA2BGR),
+    "yuv422": _Encoding(2, conversion=cv2.COLOR_YUV2GRAY_UYVY),
+    "uyvy": _Encoding(2, conversion=cv2.COLOR_YUV2GRAY_UYVY),
+    "yuv422_yuy2": _Encoding(2, conversion=cv2.COLOR_YUV2GRAY_YUY2),
+    "yuyv": _Encoding(2, conversion=cv2.COLOR_YUV2GRAY_YUY2),
 }
 
 
@@ -71,8 +75,8 @@ def pixels(buffer: ImageBuffer, full_scale_16: int = FULL_SCALE_16, what: str = 
     if encoding.channels == 1:
         return frozen(rows)
     colour = rows.reshape(buffer.height_px, buffer.width_px, encoding.channels)
-    if encoding.to_bgr is not None:
-        colour = np.asarray(cv2.cvtColor(colour, encoding.to_bgr), np.uint8)
+    if encoding.conversion is not None:
+        colour = np.asarray(cv2.cvtColor(colour, encoding.conversion), np.uint8)
     return frozen(colour)
 
 

@@ -42,7 +42,7 @@ class Pair(Generic[T]):
 class PairingCounts:
     """What a pairer saw so far. `dropped`: unpaired items, too old or too many to wait any longer.
 
-    nearest_offset_ns: the smallest distance of a left and a right stamp since the last pair.
+    nearest_offset_ns: the smallest distance of a left and a right stamp, since the last pair, that do not pair.
     """
 
     left: int = 0
@@ -152,7 +152,8 @@ class StampPairer(Generic[T]):
 
     def explain_offset(self) -> str:
         """One sentence on how far apart the stamps are, and why that may be."""
-        offset_ns = self.counts.nearest_offset_ns or 0
+        waiting_ns = abs(self._left[0].stamp_ns - self._right[0].stamp_ns) if self._left and self._right else 0
+        offset_ns = self.counts.nearest_offset_ns or waiting_ns
         apart = f"nearest left and right stamps differ by {_duration(offset_ns)}"
         if offset_ns <= self._max_offset_ns:
             return f"{apart}: they pair as soon as the next image shows that there is no nearer one"
@@ -167,9 +168,9 @@ class StampPairer(Generic[T]):
         while self._left and self._right:
             older, newer = sorted((self._left, self._right), key=lambda queue: queue[0].stamp_ns)
             gap_ns = newer[0].stamp_ns - older[0].stamp_ns
-            self._note_gap(gap_ns)
             outdone = len(older) > 1 and abs(older[1].stamp_ns - newer[0].stamp_ns) < gap_ns
             if outdone or gap_ns > self._max_offset_ns:
+                self._note_gap(gap_ns)
                 self._drop(older)
             elif ended or len(older) > 1 or 2 * gap_ns <= self._min_period_ns:
                 pairs.append(self._pop_pair())

@@ -26,6 +26,10 @@ STORED = {
     "rgb8": (BGR[..., ::-1], BGR),
     "bgra8": (np.dstack([BGR, ALPHA]), BGR),
     "rgba8": (np.dstack([BGR[..., ::-1], ALPHA]), BGR),
+    "yuv422": (np.dstack([ALPHA, GREY]), GREY),
+    "uyvy": (np.dstack([ALPHA, GREY]), GREY),
+    "yuv422_yuy2": (np.dstack([GREY, ALPHA]), GREY),
+    "yuyv": (np.dstack([GREY, ALPHA]), GREY),
 }
 
 
@@ -98,7 +102,7 @@ def test_data_behind_the_last_row_is_ignored() -> None:
 @pytest.mark.parametrize(
     ("buffer", "parts"),
     [
-        (ImageBuffer(9, 7, 9, "yuv422", False, bytes(63)), ["'yuv422'", *STORED]),
+        (ImageBuffer(9, 7, 9, "nv21", False, bytes(63)), ["'nv21'", *STORED]),
         (ImageBuffer(9, 7, 9, "", False, bytes(63)), ["''", *STORED]),
         (ImageBuffer(9, 7, 9, "bayer_rggb8", False, bytes(63)), ["'bayer_rggb8'", "debayer", "upstream"]),
         (ImageBuffer(0, 7, 0, "mono8", False, b""), ["0 x 7", "positive"]),

@@ -172,3 +172,15 @@ def test_impossible_settings_are_refused(options: dict[str, int]) -> None:
     name = list(options)[-1]
     with pytest.raises(ParameterError, match=f"{name} = {options[name]} must be at least"):
         StampPairer(**options)
+
+
+def test_what_waits_for_a_nearer_one_says_nothing_of_those_that_come_after() -> None:
+    """One camera's driver ended, and came back with a time of its own: the gap of its last image was kept."""
+    pairer: StampPairer[int] = StampPairer(10)
+    pairer.add("left", 1000, 0)
+    pairer.add("right", 1003, 0)
+    assert "pair as soon as" in pairer.explain_offset()
+    for stamp_ns in range(1100, 3000, 100):
+        pairer.add("right", stamp_ns + 3, 0)
+        pairer.add("left", stamp_ns - 950, 0)
+    assert pairer.is_apart

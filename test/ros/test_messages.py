@@ -33,6 +33,7 @@ RNG = np.random.default_rng(5)
 ENCODINGS = {
     "mono8": (1, 1), "8UC1": (1, 1), "mono16": (1, 2), "16UC1": (1, 2), "bgr8": (3, 1), "8UC3": (3, 1),
     "rgb8": (3, 1), "bgra8": (4, 1), "rgba8": (4, 1),
+    "yuv422": (2, 1), "uyvy": (2, 1), "yuv422_yuy2": (2, 1), "yuyv": (2, 1),
 }  # fmt: skip
 
 
@@ -61,6 +62,8 @@ def test_an_image_of_every_encoding_comes_back(encoding: str, padding: int) -> N
         assert np.abs(decoded - true).max() <= 0.5
     elif channels == 1:
         assert (decoded == values[..., 0]).all()
+    elif channels == 2:
+        assert (decoded == values[..., 1 if encoding in ("yuv422", "uyvy") else 0]).all()
     else:
         assert (decoded == (values[..., 2::-1] if encoding.startswith("rgb") else values[..., :3])).all()
 
@@ -77,7 +80,7 @@ def test_a_picture_becomes_an_image_message(shape: tuple[int, ...], encoding: st
     ("change", "parts"),
     [
         ({"encoding": "bayer_rggb8"}, ["unknown encoding 'bayer_rggb8'", "debayer"]),
-        ({"encoding": "yuv422"}, ["unknown encoding 'yuv422'", "mono8"]),
+        ({"encoding": "nv21"}, ["unknown encoding 'nv21'", "mono8"]),
         ({"height": 5}, ["24 bytes", "30", "cut short"]),
         ({"step": 3}, ["step = 3", "6 bytes"]),
         ({"width": 0}, ["0 x 4", "positive"]),
