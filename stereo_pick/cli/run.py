@@ -106,9 +106,10 @@ def _lost(outcome: Outcome, pairs: int, rate: float) -> str:
     """What to say of pairs that came to nothing, where no node has told why."""
     if outcome.arrays >= pairs or (outcome.errors and outcome.arrays == 0):
         return ""
+    slower = max(_RATES[0], rate * min(1 / 2, outcome.arrays / pairs))
     return (
         f"not every pair came through: this machine is too slow for {pairs} pairs at rate {rate:g}; "
-        f"use --rate {rate / 2:g} or less, or `stereo-pick replay`"
+        f"use --rate {slower:.2g} or less, or `stereo-pick replay`"
     )
 
 

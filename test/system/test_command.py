@@ -305,6 +305,15 @@ def test_run_says_nothing_of_pairs_where_capture_was_not_heard(
     assert capsys.readouterr() == (f"{COUNT} pose arrays {says}", "")
 
 
+@pytest.mark.parametrize(("heard", "advised"), [(119, "0.5"), (10, "0.083"), (0, "0.01")])
+def test_run_advises_a_rate_at_which_all_pairs_come_through(
+    heard: int, advised: str, bag: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(run, "run_chain", lambda *_args, **_more: Outcome(120, heard, heard, (), False))
+    assert main(["run", "--source", str(bag)]) == 0
+    assert f"too slow for 120 pairs at rate 1; use --rate {advised} or less" in capsys.readouterr().err
+
+
 def test_a_folder_that_cannot_be_made_is_named_by_the_demo(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("kept")
     for output, reason in ((tmp_path / "file", "File exists"), (tmp_path / "file" / "out", "Not a directory")):
