@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rclpy.context import Context
-from recordings import DEMO_BAG, DEMO_RIG
+from recordings import DEMO_BAG, DEMO_RIG, demo_pairs
 from ros_tools import DOWNSTREAM, NODES, System, slowness
 
 from stereo_pick.core.calibration.files import load_rig
@@ -115,6 +115,30 @@ def test_a_signal_ends_the_correspondence_node_while_it_looks_at_a_pair(number: 
     status, seconds = child.end(number)
     assert status == 0, child.output
     assert seconds < 2 * slowness()
+
+
+def test_cameras_that_are_faster_than_the_search_give_poses(system: System) -> None:
+    """At 50 pairs a second, dozens come while one is looked at."""
+    rig, (pair,) = load_rig(DEMO_RIG), demo_pairs(1)
+    children, graph = [system.start_node(name) for name in DOWNSTREAM], system.graph
+    poses = graph.listen(OBJECT_POSES)
+    images = {side: graph.publisher(IMAGE_RAW[side]) for side in SIDES}
+    infos = {side: graph.publisher(CAMERA_INFO[side]) for side in SIDES}
+    noise = np.random.default_rng(0).integers(0, 2, (2, *pair[0].shape), np.uint8)  # else the cameras seem to hang
+    stamp = iter(range(10**18, 2 * 10**18, 20_000_000))
+
+    def three_came() -> bool:
+        stamp_ns = next(stamp)
+        for side, picture, own in zip(SIDES, pair, noise):
+            infos[side].publish(camera_info_message(getattr(rig, side), stamp_ns, f"{side}_eye"))
+            grey = np.clip(picture, 0, 254) + np.roll(own, stamp_ns // 20_000_000, axis=1)
+            images[side].publish(image_message(grey, stamp_ns, f"{side}_eye"))
+        graph.spin(0.02)
+        return len(poses) >= 3
+
+    graph.wait(three_came, "poses of three pairs")
+    assert [len(each.poses) for each in poses] == [4] * len(poses)
+    assert [child.end()[0] for child in children] == [0, 0, 0]
 
 
 def test_a_dead_camera_and_a_cut_image_are_told_and_give_no_pose(system: System) -> None:
