@@ -104,9 +104,8 @@ def all_risen(seen: SeenTable, table: Table, solids: Sequence[SolidFit], outline
     largest first. outlines_px: (K, 2) each, in the left view, one of which must show some of it."""
     pieces = seen.pieces_off(seen.clear_of_all(solids) & seen.itself)
     pieces = [each for each in pieces if any(_shows(outline, each, seen.scale) for outline in outlines_px)]
-    pieces = [
-        each for each in pieces if _may_show_a_surface(each)
-    ]  # before the right view is looked at: that takes long
+    # Before they are looked for in the right view, which takes long.
+    pieces = [each for each in pieces if _may_show_a_surface(each)]
     found = [most_of(_matched(each, seen, table)) for each in pieces]
     found.sort(key=lambda each: len(each.disparity_px), reverse=True)
     risen = [Risen(each, seen.scale) for each in found if len(each.disparity_px) >= LEAST]
