@@ -39,7 +39,8 @@ class _Closed(BaseException):
 
 
 class BoardWatch:
-    """Takes pairs one after the other; of more than `max_waiting` that wait, the newest are counted and left out.
+    """Takes pairs one after the other; of more than `max_waiting` that wait, the oldest are counted and left out, but
+    those that a calibration waits for.
 
     `progress` is replaced, never changed: it can be read from any thread. failure: an error that ended the thread.
     """
@@ -51,6 +52,7 @@ class BoardWatch:
         self._collector = Collector(board)
         self._max_waiting = max_waiting
         self._tasks: deque[Callable[[], None]] = deque()
+        self._owed = 0  # tasks up to the last calibration
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._work, name="board watch", daemon=True)
         self._thread.start()
@@ -62,15 +64,20 @@ class BoardWatch:
 
     def offer(self, read: Callable[[], BoardImages]) -> None:
         """Have the pair read and looked at, in its turn."""
-        if self.waiting >= self._max_waiting:
-            self.not_looked_at += 1
-            return
-        self._put(partial(self._look, read))
+        with self._changed:
+            if self.waiting >= self._max_waiting:
+                self.not_looked_at += 1
+                if self._owed == self.waiting:
+                    return
+                del self._tasks[self._owed]
+            self._put(partial(self._look, read))
 
     def calibrate(self, job: Callable[[tuple[BoardImages, ...]], CalibrationRun]) -> Future:
         """Call `job` with the images kept, once all pairs that wait have been looked at; the future has its outcome."""
         future = Future()
-        self._put(partial(self._calibrate, job, future))
+        with self._changed:
+            self._put(partial(self._calibrate, job, future))
+            self._owed = self.waiting
         return future
 
     def close(self) -> None:
@@ -100,6 +107,7 @@ class BoardWatch:
     def _next(self) -> Callable[[], None]:
         with self._changed:
             self._changed.wait_for(lambda: self._tasks)
+            self._owed = max(self._owed - 1, 0)
             return self._tasks.popleft()
 
     def _look(self, read: Callable[[], BoardImages]) -> None:

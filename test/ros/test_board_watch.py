@@ -31,23 +31,44 @@ def reader(index: int, pair: tuple) -> Callable[[], BoardImages]:
     return lambda: timed_pair(index, *pair)
 
 
-def test_of_more_than_may_wait_the_newest_are_counted_and_left_out(pairs: Pairs) -> None:
-    watch, gate, read = BoardWatch(BOARD, max_waiting=2), threading.Event(), list[int]()
+class Gated:
+    """A watch whose first pair takes until `gate` is set; `read` are the pairs that were looked at."""
 
-    def slow(index: int) -> BoardImages:
-        gate.wait(60)
-        read.append(index)
+    def __init__(self, max_waiting: int) -> None:
+        self.watch, self.gate, self.read = BoardWatch(BOARD, max_waiting), threading.Event(), list[int]()
+        self.offer(0)
+        wait(lambda: self.watch.waiting == 0)
+
+    def offer(self, *indices: int) -> None:
+        for index in indices:
+            self.watch.offer(lambda index=index: self._slow(index))
+
+    def _slow(self, index: int) -> BoardImages:
+        self.gate.wait(60)
+        self.read.append(index)
         return timed_pair(index, GREY, GREY)
 
-    watch.offer(lambda: slow(0))
-    wait(lambda: watch.waiting == 0)
-    for index in range(1, 6):
-        watch.offer(lambda index=index: slow(index))
-    assert (watch.waiting, watch.not_looked_at) == (2, 3)
-    gate.set()
-    wait(lambda: watch.progress.looked_at == 3)
-    assert read == [0, 1, 2]
-    watch.close()
+
+def test_of_more_than_may_wait_the_oldest_are_counted_and_left_out() -> None:
+    gated = Gated(max_waiting=2)
+    gated.offer(1, 2, 3, 4, 5)
+    assert (gated.watch.waiting, gated.watch.not_looked_at) == (2, 3)
+    gated.gate.set()
+    wait(lambda: gated.watch.progress.looked_at == 3)
+    assert gated.read == [0, 4, 5]
+    gated.watch.close()
+
+
+def test_no_pair_that_a_calibration_waits_for_is_left_out_for_a_newer_one() -> None:
+    gated = Gated(max_waiting=4)
+    gated.offer(1, 2)
+    future = gated.watch.calibrate(lambda images: None)  # type: ignore[arg-type,return-value]
+    gated.offer(3, 4, 5)
+    gated.gate.set()
+    wait(lambda: gated.watch.progress.looked_at == 4)
+    assert gated.read == [0, 1, 2, 5]
+    assert future.done()
+    gated.watch.close()
 
 
 def test_a_calibration_comes_after_the_pairs_that_wait(pairs: Pairs) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.detection import BoardImages, check_size
-from stereo_pick.core.calibration.detectors import board_view, finders, may_show
+from stereo_pick.core.calibration.detectors import board_view, may_show, seekers
 from stereo_pick.core.calibration.selection import Candidate, Selection, sharpness
 from stereo_pick.core.calibration.views import BoardView
 from stereo_pick.core.errors import CalibrationError
@@ -82,7 +82,7 @@ def first_view(pair: BoardImages, board: Board) -> BoardView | None:
     """The board as the first detector sees it that finds it in both images."""
     if not (may_show(pair.left, board) and may_show(pair.right, board)):
         return None
-    for find in finders(board).values():
+    for find in seekers(board):
         left = find(pair.left)
         right = None if left is None else find(pair.right)
         if left is None or right is None:

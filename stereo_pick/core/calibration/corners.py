@@ -57,6 +57,8 @@ DETECTORS: dict[str, Detector] = {
     "findChessboardCornersSB": sector_corners,
     "findChessboardCorners + model of crossing edges": modelled_corners,
 }
+# What finds a board wherever any of them does.
+SEEKING: tuple[Detector, ...] = (saddle_corners, sector_corners)
 
 
 def half_window_px(corners_px: Floats, board: Chessboard) -> int:

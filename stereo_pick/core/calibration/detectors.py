@@ -14,7 +14,7 @@ from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.aruco import LEGACY, charuco_corners
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.charuco import CharucoBoard
-from stereo_pick.core.calibration.corners import DETECTORS, Detector
+from stereo_pick.core.calibration.corners import DETECTORS, SEEKING, Detector
 from stereo_pick.core.calibration.views import BoardView, RejectedView, ascending
 
 
@@ -52,6 +52,13 @@ def finders(board: Board) -> dict[str, Finder]:
     return found
 
 
+def seekers(board: Board) -> list[Finder]:
+    """Those of the finders that are needed to tell whether a board is there: looking in vain takes seconds each."""
+    if isinstance(board, Chessboard):
+        return [partial(_whole, detector, board) for detector in SEEKING]
+    return list(finders(board).values())
+
+
 def may_show(picture: Image, board: Board) -> bool:
     """Whether it is worth looking for the board in an image (H, W) uint8, told by a reduced one.
 
@@ -63,7 +70,7 @@ def may_show(picture: Image, board: Board) -> bool:
         return True
     size_px = _REDUCED_PX, round(picture.shape[0] * _REDUCED_PX / width_px)
     reduced = np.asarray(cv2.resize(picture, size_px, interpolation=cv2.INTER_AREA), np.uint8)
-    return any(find(reduced) is not None for find in finders(board).values())
+    return any(find(reduced) is not None for find in seekers(board))
 
 
 def board_view(name: str, left: SeenCorners, right: SeenCorners, board: Board) -> BoardView | RejectedView:

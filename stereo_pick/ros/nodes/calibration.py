@@ -53,7 +53,7 @@ class CalibrationOptions(RawImageOptions):
         fixed=True,
     )
     max_waiting: int = parameter(
-        20, "How many pairs may wait to be looked at; of more, the newest are left out.", low=1, high=1000, fixed=True
+        20, "How many pairs may wait to be looked at; of more, the oldest are left out.", low=1, high=1000, fixed=True
     )
 
 

@@ -33,6 +33,18 @@ def test_keeps_the_pairs_that_show_the_board(pairs: Pairs) -> None:
     np.testing.assert_array_equal(collector.images()[0].left, pairs[0][0])
 
 
+def test_no_search_in_vain_is_made_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    searched, search = list[int](), cv2.findChessboardCorners
+
+    def counted(*args: object, **options: object) -> object:
+        searched.append(1)
+        return search(*args, **options)
+
+    monkeypatch.setattr(cv2, "findChessboardCorners", counted)
+    collected([(GREY, GREY)])
+    assert len(searched) == 1
+
+
 def test_nothing_kept_says_what_to_check() -> None:
     with pytest.raises(CalibrationError, match="no chessboard of 7x5 inner corners .* any of 2 pairs: count"):
         collected([(GREY, GREY)] * 2).images()
