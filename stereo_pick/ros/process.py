@@ -5,12 +5,10 @@ from __future__ import annotations
 import ctypes
 import os
 import shlex
-import shutil
 import signal
 import sys
 import threading
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import rclpy
 from rclpy.context import Context
@@ -21,14 +19,11 @@ from rclpy.utilities import remove_ros_args
 from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.ros.misspelled import warn_of_misspelled
 from stereo_pick.ros.node import StepNode
+from stereo_pick.ros.shared_memory import PROFILE, PROFILE_VARIABLE, lack_of_shared_memory
 from stereo_pick.ros.started_by import is_orphaned
 from stereo_pick.ros.unread_files import warn_of_unread
 
 _SPIN_S = 0.1
-_PROFILE_VARIABLE = "FASTRTPS_DEFAULT_PROFILES_FILE"
-_PROFILE = Path(__file__).with_name("fastdds_profile.xml")
-_SHARED_MEMORY = "/dev/shm"
-_SEGMENT_BYTES = 36_000_000  # what Fast DDS takes there for the profile's segment_size
 
 NodeFactory = Callable[[Context], StepNode]
 
@@ -46,7 +41,7 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
     stop = threading.Event()
     context = Context()
     nodes: list[StepNode] = []
-    lack = _lack_of_shared_memory()
+    lack = lack_of_shared_memory()
 
     def end(*_: object) -> None:
         stop.set()
@@ -82,27 +77,13 @@ def prepare_process() -> None:
     Fast DDS's default shared-memory segment of 512 KB cannot hold one VGA pair, and glibc gives every large
     block back to the system after each use. A profile that the user chose stays.
     """
-    os.environ.setdefault(_PROFILE_VARIABLE, str(_PROFILE))
+    os.environ.setdefault(PROFILE_VARIABLE, str(PROFILE))
     try:
         mallopt = ctypes.CDLL("libc.so.6").mallopt
     except (OSError, AttributeError):  # another C library than glibc
         return
     for option, value in ((-3, 32 << 20), (-1, 256 << 20), (-2, 16 << 20)):  # mmap and trim threshold, top pad
         mallopt(option, value)
-
-
-def _lack_of_shared_memory() -> str:
-    """What to say where this process will get no shared memory for its images; nothing where it will."""
-    if os.environ.get(_PROFILE_VARIABLE) != str(_PROFILE) or not os.path.isdir(_SHARED_MEMORY):
-        return ""
-    free_bytes = shutil.disk_usage(_SHARED_MEMORY).free
-    if free_bytes >= _SEGMENT_BYTES:
-        return ""
-    return (
-        f"{_SHARED_MEMORY} has only {free_bytes / 1e6:.0f} MB left, and Fast DDS needs {_SEGMENT_BYTES / 1e6:.0f} for "
-        "each process: large images get lost on their way; give a container more (docker run --shm-size=1g), and "
-        "remove what killed processes left there (fastdds shm clean)"
-    )
 
 
 def start_ros(context: Context, args: Sequence[str] | None) -> None:

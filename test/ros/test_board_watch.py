@@ -62,7 +62,7 @@ def test_of_more_than_may_wait_the_oldest_are_counted_and_left_out() -> None:
 def test_no_pair_that_a_calibration_waits_for_is_left_out_for_a_newer_one() -> None:
     gated = Gated(max_waiting=4)
     gated.offer(1, 2)
-    future = gated.watch.calibrate(lambda images: None)  # type: ignore[arg-type,return-value]
+    future = gated.watch.calibrate(lambda images: None)
     gated.offer(3, 4, 5)
     gated.gate.set()
     wait(lambda: gated.watch.progress.looked_at == 4)
@@ -75,7 +75,7 @@ def test_a_calibration_comes_after_the_pairs_that_wait(pairs: Pairs) -> None:
     watch = BoardWatch(BOARD, max_waiting=10)
     for index, pair in enumerate(pairs):
         watch.offer(reader(index, pair))
-    future = watch.calibrate(lambda images: [pair.name for pair in images])  # type: ignore[arg-type,return-value]
+    future = watch.calibrate(lambda images: [pair.name for pair in images])
     wait(future.done)
     assert future.result() == ["pair at 0.00 s", "pair at 1.00 s", "pair at 2.00 s"]
     watch.close()
@@ -86,7 +86,7 @@ def test_errors_are_told_and_end_nothing(pairs: Pairs) -> None:
         raise ImageError("left image is damaged")
 
     watch = BoardWatch(BOARD, max_waiting=10)
-    future = watch.calibrate(lambda images: None)  # type: ignore[arg-type,return-value]
+    future = watch.calibrate(lambda images: None)
     watch.offer(damaged)
     wait(future.done)
     assert isinstance(future.exception(), CalibrationError)
@@ -121,6 +121,6 @@ def test_closing_breaks_off_a_calibration(pairs: Pairs) -> None:
 
 def test_a_fault_of_the_program_itself_is_not_swallowed() -> None:
     watch = BoardWatch(BOARD, max_waiting=10)
-    watch.offer(lambda: 1 / 0)  # type: ignore[arg-type,return-value]
+    watch.offer(lambda: 1 / 0)
     wait(lambda: watch.failure)
     assert isinstance(watch.failure, ZeroDivisionError)
