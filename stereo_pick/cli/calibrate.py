@@ -16,9 +16,10 @@ from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.detection import BoardImages
 from stereo_pick.core.calibration.verdict import check_given_baseline
 from stereo_pick.core.calibration_run import calibrate_from
-from stereo_pick.core.errors import CalibrationError, ParameterError
+from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.images import read_image
+from stereo_pick.core.params import check_folder
 
 _DESCRIPTION = """\
 Calibrate a stereo rig from pairs of images of a chessboard or a ChArUco board: image files, or a bag
@@ -93,8 +94,7 @@ def run(args: argparse.Namespace) -> int:
     board = parse_board(args.board, args.square)
     if args.baseline is not None:
         check_given_baseline(args.baseline)
-    if args.output.exists() and not args.output.is_dir():
-        raise CalibrationError(f"--output {args.output} is a file: name a folder")
+    check_folder(f"--output {args.output}", args.output)
     images, notes = _images(args, board)
     outcome = calibrate_from(images, board, args.baseline, notes)
     written = outcome.save(args.output)

@@ -8,6 +8,7 @@ YAML file and the documentation are generated from these declarations.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Collection, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from difflib import get_close_matches
@@ -126,6 +127,17 @@ def path_of(text: str) -> Path:
         return Path(text).expanduser()
     except RuntimeError:  # there is no such user
         return Path(text)
+
+
+def check_folder(what: str, folder: Path) -> None:
+    """Raise ParameterError, beginning with `what`, where no files can be written to a folder that need not be yet."""
+    nearest = next(path for path in (folder, *folder.absolute().parents) if os.access(path, os.F_OK))
+    if not nearest.is_dir():
+        raise ParameterError(
+            f"{what} is a file: name a folder" if nearest == folder else f"{what} cannot be made: {nearest} is a file"
+        )
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise ParameterError(f"{what} cannot be written: {nearest} is not yours to write to; name another folder")
 
 
 def unknown_name(name: str, known: Collection[str]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from stereo_pick.core.configuration import correspondence_groups, method_parameter, triangulation_groups
 from stereo_pick.core.parameter_groups import declared
 from stereo_pick.core.params import Parameter
-from stereo_pick.ros.nodes.calibration import CalibrationOptions
+from stereo_pick.ros.calibration_options import CalibrationOptions
 from stereo_pick.ros.nodes.capture import CaptureOptions
 from stereo_pick.ros.nodes.triangulation import TriangulationOptions
 from stereo_pick.ros.raw_pairs import RawImageOptions

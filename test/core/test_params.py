@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 from stereo_pick.core.configuration import pipeline_parameters
 from stereo_pick.core.errors import ParameterError
-from stereo_pick.core.params import Configurable, Parameter, parameter, path_of
+from stereo_pick.core.params import Configurable, Parameter, check_folder, parameter, path_of
 
 
 @dataclass(frozen=True)
@@ -101,3 +102,25 @@ def test_the_users_folder_is_put_in(monkeypatch: pytest.MonkeyPatch) -> None:
     assert path_of("~/my_rig") == Path("/home/me/my_rig")
     assert path_of("my_rig/~") == Path("my_rig/~")
     assert path_of("~nobody_of_that_name/my_rig") == Path("~nobody_of_that_name/my_rig")
+
+
+def test_a_folder_to_write_to_is_one_or_can_be_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "file"
+    file.touch()
+    check_folder("--output", tmp_path)
+    check_folder("--output", tmp_path / "new" / "rig")
+    monkeypatch.chdir(tmp_path)
+    check_folder("--output", Path("new/rig"))
+    with pytest.raises(ParameterError, match="^--output is a file: name a folder$"):
+        check_folder("--output", file)
+    with pytest.raises(ParameterError, match=f"^--output cannot be made: {file} is a file$"):
+        check_folder("--output", file / "rig")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_folder_that_cannot_be_written_to_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By what the system says of it: to the superuser a folder of any mode is open."""
+    allowed = os.access
+    monkeypatch.setattr(os, "access", lambda path, mode: mode == os.F_OK and allowed(path, mode))
+    with pytest.raises(ParameterError, match=f"^--output cannot be written: {tmp_path} is not yours to write to"):
+        check_folder("--output", tmp_path / "new" / "rig")

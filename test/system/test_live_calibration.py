@@ -140,6 +140,7 @@ def test_without_a_board_finish_says_what_to_check(system: System, tmp_path: Pat
         ({"square_m": 30.0}, "square_m must be within 0 .. 1"),
         ({"output": ""}, "parameter output is empty"),
         ({"output": __file__}, "is a file: name a folder"),
+        ({"output": f"{__file__}/rig"}, f"cannot be made: {__file__} is a file"),
     ],
 )
 def test_what_nobody_can_guess_must_be_given(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 from functools import partial
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
@@ -18,43 +17,22 @@ from stereo_pick.core.calibration.guidance import Guidance, guide
 from stereo_pick.core.calibration.guidance_picture import guidance_picture
 from stereo_pick.core.calibration.verdict import Word
 from stereo_pick.core.calibration_run import CalibrationRun, calibrate_from
-from stereo_pick.core.errors import ParameterError, StereoPickError
+from stereo_pick.core.errors import StereoPickError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.pairing import Pair
 from stereo_pick.core.parameter_groups import configured, declared
-from stereo_pick.core.params import parameter, path_of
-from stereo_pick.core.rig import MAX_BASELINE_M
+from stereo_pick.core.params import path_of
 from stereo_pick.ros.board_watch import BoardWatch, Progress
+from stereo_pick.ros.calibration_options import CalibrationOptions
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status
 from stereo_pick.ros.messages.images import image_message
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.parameters import Values
 from stereo_pick.ros.process import run_nodes
-from stereo_pick.ros.raw_pairs import RawImageOptions, RawPairs
+from stereo_pick.ros.raw_pairs import RawPairs
 from stereo_pick.ros.topics import CALIBRATION_ANNOTATED
 
 _DRAW_PERIOD_S = 0.1
-
-
-@dataclass(frozen=True)
-class CalibrationOptions(RawImageOptions):
-    """The board, where the files go, and how raw images are paired and read."""
-
-    board: str = parameter(
-        "", "The board: chessboard:9x6 (inner corners) or charuco:11x8:0.75:5X5_100 (squares).", fixed=True
-    )
-    square_m: float = parameter(0.0, "Side of one square, measured on the board.", low=0.0, high=1.0, fixed=True)
-    output: str = parameter("", "Folder that `~/save` writes to; files in it are replaced.", fixed=True)
-    baseline_m: float = parameter(
-        0.0,
-        "Distance of the two lenses, measured on the rig with a ruler; 0 where it was not.",
-        low=0.0,
-        high=MAX_BASELINE_M,
-        fixed=True,
-    )
-    max_waiting: int = parameter(
-        20, "How many pairs may wait to be looked at; of more, the oldest are left out.", low=1, high=1000, fixed=True
-    )
 
 
 class CalibrationNode(StepNode):
@@ -66,7 +44,7 @@ class CalibrationNode(StepNode):
         self._start_ns: int | None = None
         self._run: CalibrationRun | None = None
         super().__init__("calibration", context, declared({"": CalibrationOptions}))
-        _check_chosen(self._options)
+        self._options.check_chosen()
         self._board = parse_board(self._options.board, self._options.square_m)
         self._watch = BoardWatch(self._board, self._options.max_waiting)
         self._drawn = self._watch.progress
@@ -171,20 +149,6 @@ class CalibrationNode(StepNode):
             self.get_logger().warning(message)
         response.success, response.message = success, message
         return response
-
-
-def _check_chosen(options: CalibrationOptions) -> None:
-    """Raise ParameterError where something that nobody can guess was not given."""
-    if not options.board:
-        raise ParameterError(
-            "parameter board is empty: give chessboard:9x6 (inner corners) or charuco:11x8:0.75:5X5_100"
-        )
-    if not options.square_m:
-        raise ParameterError("parameter square_m is 0: measure the side of one square, in metres")
-    if not options.output:
-        raise ParameterError("parameter output is empty: name the folder that ~/save writes to")
-    if path_of(options.output).exists() and not path_of(options.output).is_dir():
-        raise ParameterError(f"parameter output = {options.output} is a file: name a folder")
 
 
 def main(args: list[str] | None = None) -> int:
