@@ -53,6 +53,7 @@ class BoardWatch:
         self._max_waiting = max_waiting
         self._tasks: deque[Callable[[], None]] = deque()
         self._owed = 0  # tasks up to the last calibration
+        self._calibration: Future | None = None
         self._changed = threading.Condition()
         self._thread = threading.Thread(target=self._work, name="board watch", daemon=True)
         self._thread.start()
@@ -61,6 +62,11 @@ class BoardWatch:
     def waiting(self) -> int:
         """How many pairs have not been looked at yet."""
         return len(self._tasks)
+
+    @property
+    def calibrating(self) -> bool:
+        """Whether a calibration waits for its pairs, or is being made."""
+        return self._calibration is not None and not self._calibration.done()
 
     def offer(self, read: Callable[[], BoardImages]) -> None:
         """Have the pair read and looked at, in its turn."""
@@ -78,6 +84,7 @@ class BoardWatch:
         with self._changed:
             self._put(partial(self._calibrate, job, future))
             self._owed = self.waiting
+            self._calibration = future
         return future
 
     def close(self) -> None:

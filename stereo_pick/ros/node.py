@@ -41,6 +41,7 @@ class StepNode(Node):
 
     finished = False
     may_be_abandoned = False
+    logs_ok = False  # whether a new status is logged where all is well, too
     rig: StereoRig | None = None  # that of the node's last camera_info; its hash goes into the diagnostics
 
     def __init__(self, name: str, context: Context, parameters: Mapping[str, Parameter]) -> None:
@@ -93,7 +94,7 @@ class StepNode(Node):
         self.create_timer(period_s, lambda: guarded(None), clock=self.steady_clock)
 
     def report(self) -> None:
-        """Publish the node's status, and log it where it is new and not OK."""
+        """Publish the node's status, and log it where it is new and not OK, or the node logs that, too."""
         status = self.status()
         if self._error is not None and (self._is_new or status.level == OK):
             status = Status(ERROR, str(self._error))
@@ -180,6 +181,8 @@ class StepNode(Node):
             self.get_logger().error(status.message)
         elif status.level != OK:
             self.get_logger().warning(status.message)
+        elif self.logs_ok:
+            self.get_logger().info(status.message)
 
 
 def _own(qos: QoSProfile) -> QoSProfile:

@@ -81,6 +81,17 @@ def test_a_calibration_comes_after_the_pairs_that_wait(pairs: Pairs) -> None:
     watch.close()
 
 
+def test_it_tells_that_it_calibrates_from_the_call_to_the_outcome(pairs: Pairs) -> None:
+    watch, gate = BoardWatch(BOARD, max_waiting=10), threading.Event()
+    assert not watch.calibrating
+    watch.offer(reader(0, pairs[0]))
+    watch.calibrate(lambda images: gate.wait(60))  # type: ignore[arg-type,return-value]
+    assert watch.calibrating
+    gate.set()
+    wait(lambda: not watch.calibrating)
+    watch.close()
+
+
 def test_errors_are_told_and_end_nothing(pairs: Pairs) -> None:
     def damaged() -> BoardImages:
         raise ImageError("left image is damaged")

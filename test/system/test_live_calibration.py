@@ -14,7 +14,7 @@ from ros_tools import Child, System, stereo_pick
 from std_srvs.srv import Trigger
 
 from stereo_pick.core.arrays import Image
-from stereo_pick.ros.messages.diagnostics import ERROR, WARN
+from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN
 from stereo_pick.ros.topics import CALIBRATION_ANNOTATED, SIDES
 
 FILES = ("left.yaml", "right.yaml", "stereo.yaml", "calibration.yaml")
@@ -168,6 +168,6 @@ def test_a_signal_ends_the_node_while_it_calibrates(system: System, tmp_path: Pa
     system.graph.wait(client.service_is_ready, "service")
     client.call_async(Trigger.Request())
     system.graph.forget_statuses()
-    system.graph.wait(lambda: system.graph.diagnostics, "the node goes on while it calibrates")
+    system.graph.wait_for_status("calibration", OK, "calibrating from 10 views")
     assert node.end()[0] == 0
     assert not (tmp_path / "live").exists()

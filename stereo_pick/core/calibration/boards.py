@@ -83,7 +83,7 @@ class Chessboard:
     @property
     def advice(self) -> str:
         """What to do where it is not found."""
-        return "count the corners where four squares meet, and show the whole board, lit evenly"
+        return "count the corners where four squares meet, and show the whole board, near enough and lit evenly"
 
     @property
     def needs_all_corners(self) -> bool:

@@ -66,10 +66,13 @@ class Collector:
         """The pairs to calibrate from; raises CalibrationError where none showed the board."""
         chosen = self._selection.chosen()
         if not chosen:
-            raise CalibrationError(
-                f"no {self.board.title} found in both images of any of {self.looked_at} pairs: {self.board.advice}"
-            )
+            raise CalibrationError(not_found(self.board, self.looked_at))
         return tuple(candidate.images for candidate in chosen)
+
+
+def not_found(board: Board, pairs: int) -> str:
+    """What to say where none of so many pairs showed the board."""
+    return f"no {board.title} found in both images of any of {pairs} pairs: {board.advice}"
 
 
 def timed_pair(time_s: float, left: Image, right: Image) -> BoardImages:

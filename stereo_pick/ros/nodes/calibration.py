@@ -11,7 +11,7 @@ from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 
 from stereo_pick.core.calibration.any_board import parse_board
-from stereo_pick.core.calibration.collecting import Pace, timed_pair
+from stereo_pick.core.calibration.collecting import Pace, not_found, timed_pair
 from stereo_pick.core.calibration.detection import BoardImages
 from stereo_pick.core.calibration.guidance import Guidance, guide
 from stereo_pick.core.calibration.guidance_picture import guidance_picture
@@ -33,16 +33,21 @@ from stereo_pick.ros.raw_pairs import RawPairs
 from stereo_pick.ros.topics import CALIBRATION_ANNOTATED
 
 _DRAW_PERIOD_S = 0.1
+_FINISH, _SAVE, _SAVED = "call ~/finish", "call ~/save", "the calibration is saved"
+_IN_VAIN = 20  # pairs without a board after which more of them are no help
 
 
 class CalibrationNode(StepNode):
     """Collects views of a board; the services `~/finish` and `~/save` calibrate from them and write the files."""
+
+    logs_ok = True
 
     def __init__(self, context: Context) -> None:
         self._raw = RawPairs(self, self._on_pair)
         self._pace = Pace()
         self._start_ns: int | None = None
         self._run: CalibrationRun | None = None
+        self._next = _FINISH
         super().__init__("calibration", context, declared({"": CalibrationOptions}))
         self._options.check_chosen()
         self._board = parse_board(self._options.board, self._options.square_m)
@@ -68,17 +73,19 @@ class CalibrationNode(StepNode):
     def status(self) -> Status:
         """What of the board is still to be shown."""
         trouble, progress = self._raw.trouble(), self._watch.progress
+        if self._watch.calibrating:
+            return Status(OK, f"calibrating from {len(progress.kept)} views", self._values(progress))
         if trouble is not None and (trouble.level == ERROR or self._raw.counts.pairs == 0):
             return trouble
         if progress.error:
             return Status(ERROR, progress.error, self._values(progress))
+        if progress.looked_at >= _IN_VAIN and not progress.shown:
+            return Status(WARN, not_found(self._board, progress.looked_at), self._values(progress))
         missing = self._guidance(progress).missing
         left_out = self._watch.not_looked_at
         slow = f"; {left_out} pairs were not looked at: they come faster than the board is found" if left_out else ""
-        message = f"{len(progress.kept)} views kept; " + (
-            "; ".join(f"show {text}" for text in missing) or "call ~/finish"
-        )
-        return Status(WARN if missing or left_out else OK, message + slow, self._values(progress))
+        message = f"{len(progress.kept)} views kept; " + ("; ".join(f"show {text}" for text in missing) or self._next)
+        return Status(WARN if missing else OK, message + slow, self._values(progress))
 
     def destroy_node(self) -> None:
         """End the watch, too."""
@@ -128,7 +135,9 @@ class CalibrationNode(StepNode):
             self._run = await self._watch.calibrate(self._calibrate)
         except StereoPickError as error:
             return self._answer(response, False, str(error))
-        return self._answer(response, self._run.verdict.word is not Word.REFUSED, self._run.summary)
+        accepted = self._run.verdict.word is not Word.REFUSED
+        self._next = _SAVE if accepted else _FINISH
+        return self._answer(response, accepted, self._run.summary)
 
     def _on_save(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         if self._run is None:
@@ -137,6 +146,7 @@ class CalibrationNode(StepNode):
             written = self._run.save(path_of(self._options.output))
         except StereoPickError as error:
             return self._answer(response, False, str(error))
+        self._next = _SAVED
         return self._answer(response, True, f"written: {', '.join(map(str, written))}")
 
     def _calibrate(self, images: tuple[BoardImages, ...]) -> CalibrationRun:
