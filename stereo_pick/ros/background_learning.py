@@ -8,9 +8,11 @@ from pathlib import Path
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.background_files import save_background
 from stereo_pick.core.objects.learned import PAIRS_TO_LEARN, BackgroundLearner
+from stereo_pick.core.params import check_folder
 
 
 class BackgroundLearning:
@@ -53,6 +55,19 @@ class BackgroundLearning:
         if path is None:
             answer.message = "set segmentation.background_file to where the background is to be saved, and call again"
             return answer
+        try:
+            _check_writable(path)
+        except ParameterError as error:
+            answer.success, answer.message = False, str(error)
+            return answer
         self._learner, self._promised = BackgroundLearner(), path
         answer.message = f"learning from the next {PAIRS_TO_LEARN} pairs, then saved as {path}; keep the surface empty"
         return answer
+
+
+def _check_writable(path: Path) -> None:
+    """Raise ParameterError where no background can be saved there."""
+    what = f"segmentation.background_file = {path}"
+    if path.is_dir():
+        raise ParameterError(f"{what} is a folder: name a file in it")
+    check_folder(f"the folder of {what}", path.parent)

@@ -67,14 +67,24 @@ def test_the_pairs_after_a_call_are_learned_and_saved(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_saved_is_said_once_and_ends_the_learning(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("x")
     node = Learning(tmp_path / "file" / "background.npz")
     assert node.call().success
+    (tmp_path / "file").write_text("x")
     for count in range(1, PAIRS_TO_LEARN):
         node.learning.takes(pair(count))
     with pytest.raises(ImageError, match="cannot be written"):
         node.learning.takes(pair(0))
     assert node.saved == 0 and not node.learning.takes(pair(0))
+
+
+def test_a_call_is_refused_where_nothing_could_be_saved(tmp_path: Path) -> None:
+    """After the learning the reason was there for one pair only: the next one said that there is no such file."""
+    (tmp_path / "file").touch()
+    for path, said in ((tmp_path / "file" / "background.npz", "is a file"), (tmp_path, "is a folder: name a file")):
+        node = Learning(path)
+        answer = node.call()
+        assert not answer.success and f"segmentation.background_file = {path} {said}" in answer.message
+        assert not node.learning.takes(pair(0)) and node.learning.progress == ""
 
 
 def test_what_is_learned_is_saved_where_the_answer_said(tmp_path: Path) -> None:
