@@ -53,9 +53,9 @@ class Correspondences:
 
     @property
     def notice(self) -> str:
-        """What of the rig should be put right, though the objects were found; empty where nothing."""
+        """What of the rig, or of the table that is given, should be put right; empty where nothing."""
         if not self.turned_px:
-            return ""
+            return next((each.detail for each in self.refused if each.reason == "off_table"), "")
         return (
             f"objects are {self.turned_px:.1f} rows off between the views: a camera has turned since its calibration, "
             "or that is poor. Positions are corrected for it, and less sure: calibrate again"

@@ -15,6 +15,7 @@ FOUND, NONE = "found", "none"
 _GIVEN_SIGMA_M = 0.001
 TILT_RAD = float(np.deg2rad(0.5))  # sigma, as long as nothing else is known of it
 _UNIT = 1e-2
+_FARTHEST_M = 20.0  # as far as a robot's cell reaches; beyond it are millimetres
 EDGE_ON = 0.1  # sine of the angle at which a table is hardly seen
 
 
@@ -47,6 +48,8 @@ class Table:
             raise ArrayError("the normal must point towards the cameras, so its z is negative and the offset positive")
         if normal[2] > -EDGE_ON * length:
             raise ArrayError(f"the cameras would see it edge-on: the normal's z is {normal[2]:g}, at most {-EDGE_ON}")
+        if offset_m > _FARTHEST_M * length:
+            raise ArrayError(f"the table would be {offset_m:g} m from the camera: give the offset in metres, not mm")
         return Table(np.array(normal) / length, offset_m / length, _GIVEN_SIGMA_M)
 
     @property

@@ -26,7 +26,7 @@ def seen(parts: Sequence[Solid], lifted_m: float) -> tuple[Result, np.ndarray]:
 @pytest.mark.parametrize("lifted_m", [-0.002, 0.0, 0.002])
 def test_parts_on_the_given_table_are_found(lifted_m: float) -> None:
     result, centres_m = seen(list(PARTS.values()), lifted_m)
-    assert len(result.poses) == len(PARTS)
+    assert len(result.poses) == len(PARTS) and not result.correspondences.notice
     off_m = np.linalg.norm(result.poses.xyz[:, None] - centres_m, axis=2).min(axis=1)
     assert off_m.max() < 1e-3
 
@@ -38,6 +38,7 @@ def test_where_parts_agree_on_another_table_all_are_refused_and_told_by_how_much
     assert len(result.poses) == 0 and [each.reason for each in refused] == ["off_table"] * len(PARTS)
     detail = refused[0].detail
     assert ("below" if lifted_m > 0 else "above") in detail and "measure it again" in detail
+    assert result.correspondences.notice == detail
     told_mm = float(detail.split("what objects stand on is ")[1].split(" mm")[0])
     assert told_mm == pytest.approx(abs(lifted_m) * 1000, abs=0.5)
 

@@ -81,6 +81,7 @@ def test_a_table_is_read_as_it_is_written() -> None:
         ("0 -0.6 -0.6 0.7", "unit normal"),
         ("0 0.6 0.8 0.75", "towards the cameras"),
         ("0 -0.6 -0.8 -0.75", "towards the cameras"),
+        ("0 -0.6 -0.8 750", "750 m from the camera: give the offset in metres"),
         ("0 -1 -0.0001 0.5", "edge-on: the normal's z is -0.0001"),
     ],
 )
