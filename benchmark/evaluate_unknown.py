@@ -1,6 +1,6 @@
 """Prints what the package makes of parts of shapes that it does not know, in scenes with exact truth, as Markdown.
 
-python benchmark/evaluate_unknown.py [--family NAME ...] [--seeds N] [--jobs N]
+python benchmark/evaluate_unknown.py [--family NAME ...] [--parts bright dark] [--seeds N] [--jobs N]
 python benchmark/evaluate_unknown.py --write docs/unknown_shapes.md
 """
 
@@ -34,7 +34,10 @@ _KNOWN = 2  # parts of known shapes in each scene
 _GAP_PX = 10.0
 _NEAR_M = 0.005  # beyond a part, within which a pose is taken to be one of it
 _SCENE_TRIES = 60
-Job = tuple[str, int]
+Job = tuple[str, str, int]
+_PARTS = {"bright": BRIGHT, "dark": (0.05, 0.25)}  # albedos
+_PAPER = (0.65, 0.85)  # of what dark parts lie on
+_TITLES = {"bright": "Bright parts on a darker table:", "dark": "Dark parts on light paper:"}
 
 
 @dataclass(frozen=True)
@@ -52,8 +55,8 @@ class Scored:
 def main() -> None:
     """Print the table, or put it into a page."""
     options = _options()
-    jobs = [(shape, seed) for shape in options.family for seed in range(options.seeds)]
-    text = _report(each(jobs, scored, options.jobs))
+    jobs = [(light, shape, i) for light in options.parts for shape in options.family for i in range(options.seeds)]
+    text = _report(jobs, each(jobs, scored, options.jobs))
     if options.write:
         replace_generated(options.write, text)
     else:
@@ -62,11 +65,11 @@ def main() -> None:
 
 def scored(job: Job) -> Scored:
     """What is found in one scene."""
-    shape, seed = job
+    light, shape, seed = job
     random = np.random.default_rng([zlib.crc32(f"unknown {shape}".encode()), seed])
     for _ in range(_SCENE_TRIES):
         try:
-            scene, centre_m, reach_m = _staged(random, shape)
+            scene, centre_m, reach_m = _staged(random, shape, light)
             break
         except NoRoomError:
             continue
@@ -81,16 +84,22 @@ def scored(job: Job) -> Scored:
     return Scored(shape, off_m, surprise, len(known_m), found)
 
 
-def _staged(random: Random, shape: str) -> tuple[Staged, Floats, float]:
+def _staged(random: Random, shape: str, light: str) -> tuple[Staged, Floats, float]:
     """A scene, and where in the left frame the part of that shape is, and how far it reaches from there."""
+    albedo = _PARTS[light]
     rig_name, table = table_of(random, (32, 85))
-    part = COMPOSITES[shape](random, float(random.uniform(*BRIGHT)))
+    part = COMPOSITES[shape](random, float(random.uniform(*albedo)))
     bound = table.add(part.bound, _GAP_PX)
     for kind in random.permutation(np.arange(len(MIXED)))[:_KNOWN]:
-        table.add(MIXED[kind](random, float(random.uniform(*BRIGHT))), _GAP_PX)
+        table.add(MIXED[kind](random, float(random.uniform(*albedo))), _GAP_PX)
     table.parts[:1] = part.placed(bound.x_m, bound.y_m)
     centre_m = table.left_T_table.apply(part.centre_m + (bound.x_m, bound.y_m, 0.0))
-    return workshop(random, rig_name, table), centre_m, float(np.hypot(bound.size_m[0], bound.size_m[2])) / 2
+    of_scene = {"table_albedo": float(random.uniform(*_PAPER))} if light == "dark" else {}
+    return (
+        workshop(random, rig_name, table, **of_scene),
+        centre_m,
+        float(np.hypot(bound.size_m[0], bound.size_m[2])) / 2,
+    )
 
 
 def _held_against(poses: ObjectPoses, centre_m: Floats, reach_m: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -101,17 +110,23 @@ def _held_against(poses: ObjectPoses, centre_m: Floats, reach_m: float) -> tuple
     return tuple(away_m[near].tolist()), tuple(float(one) for one in surprise)
 
 
-def _report(scores: Sequence[Scored]) -> str:
+def _report(jobs: Sequence[Job], scores: Sequence[Scored]) -> str:
     shapes = list(dict.fromkeys(one.shape for one in scores))
+    described = [(shape, (COMPOSITES[shape].__doc__ or "").strip()) for shape in shapes]
+    tables = [markdown_table(("shape", "what it is"), described, words=True)]
+    for light in dict.fromkeys(light for light, _, _ in jobs):
+        of_light = [one for job, one in zip(jobs, scores) if job[0] == light]
+        tables += [_TITLES[light], _table(of_light, shapes)]
+    return "\n\n".join([*tables, f"OpenCV {cv2.__version__}, NumPy {np.__version__}."])
+
+
+def _table(scores: Sequence[Scored], shapes: Sequence[str]) -> str:
     rows = [_row(shape, [one for one in scores if one.shape == shape]) for shape in shapes]
     header = (
         "shape", "scenes", "refused", "poses", "off, median [mm]", "over 5 mm", "of these not admitted",
         "known parts found beside",
     )  # fmt: skip
-    versions = f"OpenCV {cv2.__version__}, NumPy {np.__version__}."
-    described = [(shape, (COMPOSITES[shape].__doc__ or "").strip()) for shape in shapes]
-    table = markdown_table(header, [*rows, _row("all", scores)])
-    return "\n\n".join([markdown_table(("shape", "what it is"), described, words=True), table, versions])
+    return markdown_table(header, [*rows, _row("all", scores)])
 
 
 def _row(name: str, scores: Sequence[Scored]) -> list[str]:
@@ -131,7 +146,9 @@ def _row(name: str, scores: Sequence[Scored]) -> list[str]:
 
 
 def _options() -> argparse.Namespace:
-    return scene_parser(__doc__, default=list(COMPOSITES), families=COMPOSITES).parse_args()
+    parser = scene_parser(__doc__, default=list(COMPOSITES), families=COMPOSITES)
+    parser.add_argument("--parts", nargs="+", choices=list(_PARTS), default=list(_PARTS))
+    return parser.parse_args()
 
 
 if __name__ == "__main__":

@@ -15,8 +15,10 @@ from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import Row, may_have_dark_ends, with_dark_ends
 from stereo_pick.core.correspondence.reading import Reading
+from stereo_pick.core.correspondence.rising_outline import rises_beside
 from stereo_pick.core.correspondence.second_thoughts import CREASED, WELL_SHOWN, is_flat_after_all, reconsidered
 from stereo_pick.core.correspondence.standing_out import stands_out
+from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.hypotheses import Images
@@ -74,6 +76,7 @@ def adjusted_together(
     both = [(row, each) for row, (_, each) in zip(placed, seen)]
     more = _standing_out(images, both, rest)
     more += [row for row in _pieces(images, both, common) if row not in more]
+    more += [row for row in _outgrown(images.rig, both, rest, common) if row not in more]
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
     if warped is not None and not flat_parts:
         flat += _printed(warped, [(row, each) for row, each in both if row not in flat])
@@ -191,6 +194,18 @@ def _standing_out(images: Images, placed: Sequence[Seen], rest: Sequence[Row]) -
 def _pieces(images: Images, placed: Sequence[Seen], table: Table | None) -> list[Row]:
     """Those that go on beyond one of their ends."""
     return [row for row, each in placed if has_open_end(each.fit.solid, images.eyes_m, images.maps, table)]
+
+
+def _outgrown(rig: StereoRig, placed: Sequence[Seen], rest: Sequence[Row], table: Table | None) -> list[Row]:
+    """Those beside which their outlines show something that rises from the table."""
+    if table is None:
+        return []
+    fits = [each.fit for _, each in placed] + [where.fit for _, where in rest if where.fit is not None]
+    return [
+        row
+        for row, each in placed
+        if rises_beside(row[0], each.fit, [fit for fit in fits if fit is not each.fit], rig, table)
+    ]
 
 
 def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:
