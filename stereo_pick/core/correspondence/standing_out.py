@@ -13,19 +13,23 @@ from collections.abc import Sequence
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, Ints
-from stereo_pick.core.correspondence.warped_surface import ALIKE, LEAST, WarpedSurface
+from stereo_pick.core.correspondence.warped_surface import ALIKE, LEAST, SIDE_PX, WarpedSurface
+from stereo_pick.core.correspondence.window import Grey
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
-_LEAD = 0.1  # of correlation, by which the best place must beat the surface, and what lies behind that
+_PLACED_PX = 0.1  # sigma that the edges in a window promise: half a pixel is told from none, on dark parts, too
+_LEAD = 0.1  # of correlation, by which the best place must beat the surface, and what lies behind that ...
+_CHANCE = 3 * float(np.sqrt(2 / (SIDE_PX**2 - 3)))  # ... and, of Fisher's z of that, by three sigma of two windows
+_LIMIT = 0.999  # of correlation, of which z is finite
 _NEAREST_PX, _STEP_PX = 1.0, 0.5  # before the surface; the steps in which it is looked for
 _AGREE_PX = 1.5  # from what most of them say
 
 
 def stands_out(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -> bool:
     """Whether something is seen before a solid's surface that is none of the others."""
-    surface = WarpedSurface.of(pair, fit, others)
+    surface = WarpedSurface.of(pair, fit, others, _PLACED_PX)
     if surface is None:
         return False
     places = _unlike(surface)
@@ -56,7 +60,13 @@ def _out_px(surface: WarpedSurface, places: Ints, most_px: float) -> Floats:
     if len(likely) < LEAST:
         return np.zeros(0)
     back = np.max([surface.alike_at(places[likely], off) for off in behind], axis=0)
-    return np.asarray(before[alike.argmax(axis=0)[likely]][best[likely] > back + _LEAD])
+    ahead = (best[likely] > back + _LEAD) & (_fisher_z(best[likely]) > _fisher_z(back) + _CHANCE)
+    return np.asarray(before[alike.argmax(axis=0)[likely]][ahead])
+
+
+def _fisher_z(correlation: Grey) -> Floats:
+    """What the same noise moves by as much whatever the correlation is (Fisher 1915)."""
+    return np.arctanh(np.clip(correlation, -_LIMIT, _LIMIT)).astype(np.float64)
 
 
 def _most_px(fit: SolidFit, rig: StereoRig) -> float:

@@ -28,10 +28,10 @@ from stereo_pick.core.shapes.surface import entered
 
 ALIKE = 0.7  # correlation of windows that show the same
 LEAST = 8  # windows
-_SIDE_PX, _STRIDE_PX = 11, 3
-_PLACED_PX = 0.05  # sigma that the edges in a window promise
+SIDE_PX, _STRIDE_PX = 11, 3  # of windows
+_PLACED_PX = 0.05  # sigma that the edges in a window promise, as a rule
 _BLUR_PX = 2  # beyond windows, where outlines still show
-_AROUND = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SIDE_PX + 2 * _BLUR_PX, _SIDE_PX + 2 * _BLUR_PX))
+_AROUND = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (SIDE_PX + 2 * _BLUR_PX, SIDE_PX + 2 * _BLUR_PX))
 _HIDDEN = 1e-3  # of the depth, by which a place behind the surface is hidden by it
 
 
@@ -52,19 +52,24 @@ class WarpedSurface:
     corner_px: tuple[int, int]
 
     @staticmethod
-    def of(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -> WarpedSurface | None:
-        """None where too little of the solid is in the view, or shows anything."""
+    def of(
+        pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit], placed_px: float = _PLACED_PX
+    ) -> WarpedSurface | None:
+        """None where too little of the solid is in the view, or shows anything; placed_px: sigma that the edges in a
+        window must promise."""
         rig = pair.rig
         outline = fit.silhouette_px(rig.left)
         height, width = pair.left.shape
         x0, y0 = np.maximum(np.floor(outline.min(axis=0)).astype(int), 0)
         x1, y1 = np.minimum(np.ceil(outline.max(axis=0)).astype(int) + 1, (width, height))
-        if min(x1 - x0, y1 - y0) <= 2 * _SIDE_PX:
+        if min(x1 - x0, y1 - y0) <= 2 * SIDE_PX:
             return None
         left, right = pair.left[y0:y1, x0:x1].astype(np.float32), pair.right[y0:y1].astype(np.float32)
-        tells = predicted_sigma_px(left, noise_dn(left), _SIDE_PX, "zncc") < _PLACED_PX
         on_it = _well_within(fit, others, rig.left, (x0, y0), left.shape) > 0
-        if len(on_grid(tells & on_it, _SIDE_PX, _SIDE_PX, _STRIDE_PX)) < LEAST:
+        if not on_it.any():
+            return None
+        tells = predicted_sigma_px(left, noise_dn(left, on_it), SIDE_PX, "zncc") < placed_px
+        if len(on_grid(tells & on_it, SIDE_PX, SIDE_PX, _STRIDE_PX)) < LEAST:
             return None
         column, row = np.meshgrid(np.arange(x0, x1, dtype=np.float64), np.arange(y0, y1, dtype=np.float64))
         seen, there = _in_the_right_view(fit, rig, np.stack([column, row], axis=-1).reshape(-1, 2))
@@ -78,7 +83,7 @@ class WarpedSurface:
 
     def windows(self, chosen: Bools) -> Ints:
         """The usable windows (N, 2), column and row, of which the middles are among these pixels (h, w)."""
-        return on_grid(self.usable & chosen, _SIDE_PX, _SIDE_PX, _STRIDE_PX)
+        return on_grid(self.usable & chosen, SIDE_PX, SIDE_PX, _STRIDE_PX)
 
     def clear_of(self, outline_px: Floats) -> Bools:
         """Which pixels (h, w) are at the middle of windows outside an outline (M, 2) in the left view."""
@@ -97,12 +102,12 @@ class WarpedSurface:
     def alike_at(self, places: Ints, off_px: float) -> Grey:
         """The same (N,) of the windows at some places (N, 2), column and row."""
         x, y = places.T
-        if len(places) * _SIDE_PX**2 > self.left.size:
+        if len(places) * SIDE_PX**2 > self.left.size:
             return np.asarray(self.alike(off_px)[y, x])
-        around = pixels_around(places, _SIDE_PX)
+        around = pixels_around(places, SIDE_PX)
         points = np.stack([self.columns[around] - np.float32(off_px), self.rows[around]], axis=-1)
         there = remapped(self.right, points, cv2.BORDER_CONSTANT, cv2.INTER_CUBIC)
-        middle = points[:, _SIDE_PX**2 // 2, None]
+        middle = points[:, SIDE_PX**2 // 2, None]
         within = remapped(self.within, middle, cv2.BORDER_CONSTANT, cv2.INTER_NEAREST)[:, 0]
         alike = _correlation(self.left[around], there, lambda grey: grey.mean(axis=1))
         return np.asarray(np.where(within > 0, alike, -1), np.float32)
@@ -117,7 +122,7 @@ def _correlation(one: Grey, other: Grey, mean: Callable[[Grey], NDArray[Any]]) -
 
 
 def _means_around(grey: Grey) -> Grey:
-    return np.asarray(cv2.boxFilter(grey, -1, (_SIDE_PX, _SIDE_PX)), np.float32)
+    return np.asarray(cv2.boxFilter(grey, -1, (SIDE_PX, SIDE_PX)), np.float32)
 
 
 def _in_the_right_view(fit: SolidFit, rig: StereoRig, places_px: Floats) -> tuple[Bools, Floats]:
