@@ -142,9 +142,12 @@ class Feature(Method):
         prints = [] if self.flat_parts else prints_among(together.kept, rig, table, scene.is_known)
         objects = [row for row in together.kept if row not in prints]
         normal = table.normal if table else common_normal([where.fit for _, where in objects])
-        kept, unknown = self._of_known_reference(objects, normal)
-        most = self.max_sigma_of_width if self.assignment == "global" else np.inf  # the thesis takes what comes
+        is_choosy = self.assignment == "global"  # the thesis takes what comes
+        shaded = [row for row in objects if is_choosy and scene.may_be_more_than(row, rig)]
+        kept, unknown = self._of_known_reference([row for row in objects if row not in shaded], normal)
+        most = self.max_sigma_of_width if is_choosy else np.inf
         unread = [*together.refused, *scene.reading.for_good, *(Unread("flat", *each) for each, _ in prints)]
+        unread += [Unread("shaded", *each) for each, _ in shaded]
         unread += [Unread("no_solid", *each) for each, _ in unknown]
         sure, unsure = by_certainty(kept, unread, rig, most, together.warped)
         sure.sort(key=lambda row: float(row[1].left_px[0]))

@@ -6,10 +6,13 @@ from dataclasses import dataclass
 from functools import partial
 
 from stereo_pick.core.correspondence.found_table import FoundTable, Shaded
+from stereo_pick.core.correspondence.one_plane import shows_one_face
 from stereo_pick.core.correspondence.other_polarity import joined
 from stereo_pick.core.correspondence.position import Row
 from stereo_pick.core.correspondence.reading import FirstLook, Reader, Reading
 from stereo_pick.core.correspondence.together import Together, adjusted_together
+from stereo_pick.core.objects import Blob
+from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.common_table import stands_on
 
@@ -36,6 +39,12 @@ class FirstLooks:
         """The solids that explain them."""
         return [where.fit for _, where in self.kept if where.fit is not None]
 
+    @property
+    def shaded(self) -> frozenset[Blob]:
+        """The outlines of which shadows may be a part."""
+        looks = [look for look in (self.first, self.others) if look is not None and look.blobs.may_be_shaded]
+        return frozenset(blob for look in looks for blob in (*look.blobs.left, *look.blobs.right))
+
     def not_on(self, there: FoundTable) -> FirstLooks:
         """The same, where solids that stand on a table were mistaken."""
         on_it = partial(stands_on, there.table)
@@ -45,11 +54,12 @@ class FirstLooks:
 @dataclass(frozen=True, eq=False)
 class Scene:
     """reading: what outlines say; together: what all edges make of that; is_known: whether the table is known without
-    the objects that stand on it."""
+    the objects that stand on it; shaded: the outlines of which shadows may be a part."""
 
     reading: Reading
     together: Together
     is_known: bool
+    shaded: frozenset[Blob]
 
     @property
     def is_groundless(self) -> bool:
@@ -58,6 +68,11 @@ class Scene:
         if self.is_known or table is None:
             return False
         return not any(where.fit is not None and stands_on(table, where.fit) for _, where in self.together.kept)
+
+    def may_be_more_than(self, row: Row, rig: StereoRig) -> bool:
+        """Whether what no solid explains may be an object and its shadow: one that lies flat throws none."""
+        blobs, where = row
+        return where.fit is None and not self.shaded.isdisjoint(blobs) and not shows_one_face(*blobs, rig)
 
 
 def scene_on(reader: Reader, looks: FirstLooks, there: FoundTable | None, edge_radius_m: float) -> Scene:
@@ -70,7 +85,7 @@ def scene_on(reader: Reader, looks: FirstLooks, there: FoundTable | None, edge_r
         reading = joined(bright, dark, reading, reader.images.rig)
     is_known = there is not None and there.is_seen
     together = adjusted_together(reader.images, reading, is_known, reader.flat_parts, edge_radius_m)
-    return Scene(reading, together, is_known)
+    return Scene(reading, together, is_known, looks.shaded)
 
 
 def scene_on_found_table(reader: Reader, looks: FirstLooks, shaded: Shaded, edge_radius_m: float) -> Scene:
