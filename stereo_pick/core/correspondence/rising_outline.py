@@ -24,8 +24,7 @@ from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
-_BESIDE_PX = 1.0  # a solid's silhouette, further off than edges are placed wrongly
-_CLEAR_PX = 2.0  # of the other solids
+_CLEAR_PX = 1.5  # of silhouettes: further off than edges are placed wrongly
 _RISES_PX, _SIGMAS = 1.0, 3.0  # of disparity, above the table's, and of that
 _AGREE_PX, _LEAST = 1.0, 3  # crossings that rise alike: the limb of a ball is another one to each camera
 
@@ -38,12 +37,12 @@ class _Crossings(NamedTuple):
     columns: Floats
 
 
-def rises_beside(blobs: BlobPair, fit: SolidFit, others: Sequence[SolidFit], rig: StereoRig, table: Table) -> bool:
-    """Whether outlines show something beside a solid, and clear of the others, that rises from the table."""
-    hidden = zip(fit.silhouettes(rig), zip(*(other.silhouettes(rig) for other in others)) if others else ((), ()))
+def rises_beside(blobs: BlobPair, solids: Sequence[SolidFit], rig: StereoRig, table: Table) -> bool:
+    """Whether an object's outlines show something clear of all these solids that rises from the table."""
+    polygons = zip(*(fit.silhouettes(rig) for fit in solids))
     one, other = (
-        _crossings(blob, _is_beside(blob, camera, *polygons))
-        for blob, camera, polygons in zip(blobs, (rig.left, rig.right), hidden)
+        _crossings(blob, _is_clear(blob, camera, several))
+        for blob, camera, several in zip(blobs, (rig.left, rig.right), polygons)
     )
     which, at, there = np.intersect1d(one.which, other.which, return_indices=True)
     windows = Windows(np.c_[one.columns[at], which // 2], one.columns[at] - other.columns[there])
@@ -54,14 +53,14 @@ def rises_beside(blobs: BlobPair, fit: SolidFit, others: Sequence[SolidFit], rig
     return int(agree.max(initial=0)) >= _LEAST
 
 
-def _is_beside(blob: Blob, camera: Camera, polygon: Floats, others: Sequence[Floats]) -> Bools:
-    """Which points (N,) of an outline are sharp, as far as that was measured, and clear of a silhouette (K, 2),
-    normalized, and of others."""
+def _is_clear(blob: Blob, camera: Camera, polygons: Sequence[Floats]) -> Bools:
+    """Which points (N,) of an outline are sharp, as far as that was measured, and clear of silhouettes (K, 2),
+    normalized."""
     points = normalized(blob.contour_px, camera)[None]
-    beside = blob.sharpness >= SHARP if len(blob.sharpness) else np.zeros(len(blob.contour_px), np.bool_)
-    for silhouette, clear_px in [(polygon, _BESIDE_PX), *((other, _CLEAR_PX) for other in others)]:
-        beside &= inside(points, silhouette[None])[0] * camera.P[0, 0] < -clear_px
-    return np.asarray(beside, np.bool_)
+    clear = blob.sharpness >= SHARP if len(blob.sharpness) else np.zeros(len(blob.contour_px), np.bool_)
+    for polygon in polygons:
+        clear &= inside(points, polygon[None])[0] * camera.P[0, 0] < -_CLEAR_PX
+    return np.asarray(clear, np.bool_)
 
 
 def _crossings(blob: Blob, shown: Bools) -> _Crossings:

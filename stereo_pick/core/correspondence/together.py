@@ -201,11 +201,7 @@ def _outgrown(rig: StereoRig, placed: Sequence[Seen], rest: Sequence[Row], table
     if table is None:
         return []
     fits = [each.fit for _, each in placed] + [where.fit for _, where in rest if where.fit is not None]
-    return [
-        row
-        for row, each in placed
-        if rises_beside(row[0], each.fit, [fit for fit in fits if fit is not each.fit], rig, table)
-    ]
+    return [row for row, _ in placed if rises_beside(row[0], fits, rig, table)]
 
 
 def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:

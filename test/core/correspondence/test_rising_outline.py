@@ -35,8 +35,8 @@ def test_the_neck_of_a_bottle_rises_beside_its_body_unless_it_is_known() -> None
     scene, table = on_paper(BODY, NECK), table_of(RIG, PLACED)
     body, neck = true_fit(RIG, scene, BODY), true_fit(RIG, scene, NECK)
     seen = outlines(scene)
-    assert rises_beside(seen, body, [], RIG, table)
-    assert not rises_beside(seen, body, [neck], RIG, table)
+    assert rises_beside(seen, [body], RIG, table)
+    assert not rises_beside(seen, [body, neck], RIG, table)
 
 
 @pytest.mark.parametrize(
@@ -53,8 +53,8 @@ def test_the_neck_of_a_bottle_rises_beside_its_body_unless_it_is_known() -> None
 def test_a_shadow_lies_on_the_table(part: Solid) -> None:
     scene, table = on_paper(part), table_of(RIG, PLACED)
     seen, fit = outlines(scene), true_fit(RIG, scene, part)
-    assert not rises_beside(seen, fit, [], RIG, table)
-    assert rises_beside(seen, fit, [], RIG, replace(table, offset_m=table.offset_m + 0.02))  # so it is looked at
+    assert not rises_beside(seen, [fit], RIG, table)
+    assert rises_beside(seen, [fit], RIG, replace(table, offset_m=table.offset_m + 0.02))  # so it is looked at
 
 
 @pytest.mark.parametrize(
