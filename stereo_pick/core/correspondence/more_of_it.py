@@ -1,7 +1,7 @@
 """What touches an object in both views and is refused: another part, or more of the same one, of a shape unknown here.
 
 An angle bracket looks like a box and something else that touches it, or like two boxes, which are flush then; a bottle
-looks like a cylinder with something on it.
+looks like a cylinder with something on it, a step like two on one axis.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.coaxial import are_coaxial
 from stereo_pick.core.correspondence.flush_boxes import are_flush, moved_m
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
@@ -42,7 +43,7 @@ def as_unsure_as_whole(
 
 
 def _or_both(row: Row, rows: Sequence[Row]) -> Row:
-    """The same, which may be one with another box that touches it."""
+    """The same, which may be one with another box that touches it, or with what has the same axis."""
     blobs, where = row
     fit = where.fit
     if fit is None:
@@ -50,7 +51,8 @@ def _or_both(row: Row, rows: Sequence[Row]) -> Row:
     off_m = [
         moved_m(fit, other.fit)
         for pair, other in rows
-        if other.fit is not None and are_flush(fit, other.fit, touch=_touch(blobs, pair))
+        if other.fit is not None
+        and (are_coaxial(fit, other.fit) or are_flush(fit, other.fit, touch=_touch(blobs, pair)))
     ]
     return blobs, replace(where, covariance=where.covariance + max(off_m, default=0.0) ** 2 * np.eye(3))
 

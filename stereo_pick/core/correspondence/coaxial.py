@@ -1,0 +1,28 @@
+"""Two solids that are hardly two: a turned part of two diameters, a bolt's head and its shank.
+
+What is put on top of another part hardly ever stands exactly on its axis.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stereo_pick.core.shapes.kinds import CYLINDER, HEX_PRISM
+from stereo_pick.core.shapes.solid_fit import SolidFit
+
+_WITH_AXIS = CYLINDER.name, HEX_PRISM.name
+_TURNED_ALIKE = np.sin(np.deg2rad(1.5))
+_OFF = 0.02  # of the largest size: from the axis, and between the ends
+
+
+def are_coaxial(one: SolidFit, other: SolidFit) -> bool:
+    """Whether two cylinders or hexagonal prisms have one axis, and the second begins where the first ends."""
+    if one.kind not in _WITH_AXIS or other.kind not in _WITH_AXIS:
+        return False
+    axis, apart_m = one.rotation[:, 2], other.centre_m - one.centre_m
+    off_m = _OFF * float(max(one.size_m.max(), other.size_m.max()))
+    beside_m = float(np.linalg.norm(np.cross(axis, apart_m)))
+    if float(np.linalg.norm(np.cross(axis, other.rotation[:, 2]))) > _TURNED_ALIKE or beside_m > off_m:
+        return False
+    gap_m = abs(float(axis @ apart_m)) - float(one.size_m[2] + other.size_m[2]) / 2
+    return abs(gap_m) < off_m
