@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from recordings import DEMO_RIG, START_NS, Recording, demo_pairs, write_images
-from ros_tools import DEADLINE_S, DOWNSTREAM, System, running_system, slowness
+from ros_tools import DEADLINE_S, DOWNSTREAM, System, is_prompt, running_system, slowness
 from visualization_msgs.msg import Marker
 
 from stereo_pick.cli.main import main
@@ -119,7 +119,7 @@ class Nodes:
         graph.wait(complete, f"{expected} pairs of {source}")
         status, seconds = player.end(signal.SIGINT)
         assert status == 0, player.output
-        assert seconds < 2 * slowness()
+        assert is_prompt(seconds)
         return received.since(start_ns)
 
     def play(self, bag: Path, method: str, pairs: int) -> Received:
