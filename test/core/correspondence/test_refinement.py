@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -56,7 +56,7 @@ def views(texture: Texture, shift: Callable[[Floats, Floats], Floats], noise_dn:
     return images[0].astype(np.float32), images[1].astype(np.float32)
 
 
-@cache
+@lru_cache(maxsize=8)
 def shifted(name: str, shift_px: float, noise_dn: float = 1.0) -> tuple[Grey, Grey]:
     """Views of a texture whose shift is the same everywhere; both costs are tried on them."""
     return views(TEXTURES[name], lambda u, v: np.full_like(u, shift_px), noise_dn)
