@@ -282,6 +282,7 @@ def processes_in(domain: int) -> list[str]:
     return found
 
 
+@pytest.mark.first
 def test_the_demo_ends_with_its_verdict(tmp_path: Path) -> None:
     with reserved_domain() as domain:
         done = stereo_pick("demo", "--output", tmp_path / "out", env=environment(domain))
