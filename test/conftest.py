@@ -17,7 +17,7 @@ import pytest
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.calibration.boards import Chessboard
 from stereo_pick.core.calibration.charuco import CharucoBoard
-from stereo_pick.core.calibration.detection import BoardImages, detect
+from stereo_pick.core.calibration.detection import BoardImages, Detections, detect
 from stereo_pick.core.calibration.result import CalibrationResult
 from stereo_pick.core.calibration.solving import calibrate_best
 from stereo_pick.core.frames import grey
@@ -38,7 +38,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--all", action="store_true", help="run the tests marked `more`, too")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "first: takes as long as no other; begun last, all workers but one would wait")
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.get_closest_marker("first") is None)
     if config.getoption("--all"):
         return
     for item in items:
@@ -141,22 +146,28 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> Once[Any]:
 
 
 @pytest.fixture(scope="session")
-def calibrated(shared_data: Path, once: Once[CalibrationResult]) -> Calibrated:
+def calibrated(shared_data: Path, once: Once[Any]) -> Calibrated:
     """Calibrates from a real recording, once: patterns of the left and right files, the board, a detector."""
 
-    def result(left: str, right: str, board: Chessboard, detector: str = "") -> CalibrationResult:
+    def detections(left: str, right: str, board: Chessboard) -> list[Detections]:
         pairs = [
             BoardImages(f"{a.parent.name}/{a.name}", a.name, b.name, grey(read_image(a)), grey(read_image(b)))
             for a, b in zip(sorted(shared_data.glob(left)), sorted(shared_data.glob(right)))
         ]
-        found = [each for each in detect(pairs, board) if detector in ("", each.detector)]
-        return calibrate_best(found, board)
+        return detect(pairs, board)
+
+    def result(left: str, right: str, board: Chessboard, detector: str = "") -> CalibrationResult:
+        seen = once(file_name(f"seen {left} {right} {board}"), lambda: detections(left, right, board))
+        return calibrate_best([each for each in seen if detector in ("", each.detector)], board)
 
     def named(left: str, right: str, board: Chessboard, detector: str = "") -> CalibrationResult:
-        name = re.sub(r"\W+", "_", f"{left} {right} {board} {detector}")
-        return once(name, lambda: result(left, right, board, detector))
+        return once(file_name(f"{left} {right} {board} {detector}"), lambda: result(left, right, board, detector))
 
     return named
+
+
+def file_name(text: str) -> str:
+    return re.sub(r"\W+", "_", text)
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from rendering import Box, Cylinder, HexPrism, Lamp, Scene, Sensor, Solid, Sphere, render
@@ -46,6 +47,7 @@ def half_lit_scene(parts: Sequence[Solid], left_T_table: Transform, sides: float
     return Scene(tuple(parts), left_T_table, table, lamps=(FROM_ABOVE,), ambient=(table + sides) / albedo)
 
 
+@lru_cache(maxsize=16)  # tests of one file look at the same few scenes again and again
 def rectified(rig: StereoRig, scene: Scene, noise_dn: float = 1.0, seed: int = 0) -> RectifiedPair:
     sensor = Sensor(noise_dn=noise_dn)
     return Rectifier(rig).rectify(render(rig, scene, sensor, sensor, seed))

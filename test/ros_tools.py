@@ -70,6 +70,11 @@ def slowness() -> float:
     return max(1.0, (time.monotonic() - start) / 0.2)
 
 
+def is_prompt(seconds: float) -> bool:
+    """Whether something took less than 2 s, as it would on an idle machine; how busy this one is costs time to find."""
+    return seconds < 2 or seconds < 2 * slowness()
+
+
 class Graph:
     """The test's own place in a ROS domain: a node that listens, publishes, asks and waits.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,16 +26,23 @@ SCENE = Scene(
 SENSOR = Sensor(gain=0.9)
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def taken(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A calibration, a folder `empty` of the table, and a pair of the parts on it."""
-    save_rig(RIG, tmp_path / "rig")
+    folder = tmp_path_factory.mktemp("background")
+    save_rig(RIG, folder / "rig")
     frames = [render(RIG, replace(SCENE, solids=()), SENSOR, SENSOR, seed) for seed in range(4)]
-    write_images(tmp_path / "empty", [(frame.left, frame.right) for frame in frames])
+    write_images(folder / "empty", [(frame.left, frame.right) for frame in frames])
     full = render(RIG, SCENE, SENSOR, SENSOR, seed=9)
     for side in ("left", "right"):
-        cv2.imwrite(str(tmp_path / f"{side}.png"), getattr(full, side))
-    return tmp_path
+        cv2.imwrite(str(folder / f"{side}.png"), getattr(full, side))
+    return folder
+
+
+@pytest.fixture
+def folder(taken: Path, tmp_path: Path) -> Path:
+    """A copy of it that a test may spoil."""
+    return Path(shutil.copytree(taken, tmp_path / "taken"))
 
 
 def learn(folder: Path, source: str = "empty", output: str = "out/b.npz") -> int:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import io
 import shutil
 from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
@@ -56,6 +59,25 @@ def rendered(render_board, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@dataclass(frozen=True)
+class Calibrated:
+    """The rendered pairs with the rig calibrated from them beside, and what the command printed and returned."""
+
+    folder: Path
+    status: int
+    out: str
+    err: str
+
+
+@pytest.fixture(scope="module")
+def good(rendered: Path, tmp_path_factory: pytest.TempPathFactory) -> Calibrated:
+    folder = Path(shutil.copytree(rendered, tmp_path_factory.mktemp("good") / "images"))
+    out, err = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        status = run_on(folder, "left*.png", "right*.png")
+    return Calibrated(folder, status, out.getvalue(), err.getvalue())
+
+
 @pytest.fixture
 def images(rendered: Path, tmp_path: Path) -> Path:
     """A copy of the rendered pairs that a test may spoil."""
@@ -71,25 +93,24 @@ def refusal(folder: Path, left: str, right: str, board: str = "7x5", square: str
     return message
 
 
-def test_writes_the_rig_and_reports_it(images: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_on(images, "left*.png", "right*.png") == 0
-    printed = capsys.readouterr()
-    rig = load_rig(images / "rig")
+def test_writes_the_rig_and_reports_it(good: Calibrated) -> None:
+    assert good.status == 0
+    rig = load_rig(good.folder / "rig")
     assert rig.baseline_m == pytest.approx(0.06, abs=0.0005)
     assert rig.left.K[0, 0] == pytest.approx(420, abs=5)
-    assert yaml.safe_load((images / "rig/right.yaml").read_text())["camera_name"] == "right"
+    assert yaml.safe_load((good.folder / "rig/right.yaml").read_text())["camera_name"] == "right"
     for word in ("9 of 9 used", "findChessboardCorners", "px", "mm", "deg", "verdict", "left.yaml", "stereo.yaml"):
-        assert word in printed.out
-    assert printed.err == ""
+        assert word in good.out
+    assert good.err == ""
 
 
-def test_images_of_a_12_bit_camera_give_the_same_rig(images: Path, tmp_path: Path) -> None:
+def test_images_of_a_12_bit_camera_give_the_same_rig(good: Calibrated, tmp_path: Path) -> None:
     deep = tmp_path / "deep"
     deep.mkdir()
-    for file in images.glob("*.png"):
+    for file in good.folder.glob("*.png"):
         cv2.imwrite(str(deep / file.name), cv2.imread(str(file), cv2.IMREAD_UNCHANGED).astype(np.uint16) * 16)
-    assert run_on(images, "left*.png", "right*.png") == run_on(deep, "left*.png", "right*.png", depth="4080") == 0
-    assert (images / "rig" / "stereo.yaml").read_text() == (deep / "rig" / "stereo.yaml").read_text()
+    assert run_on(deep, "left*.png", "right*.png", depth="4080") == good.status == 0
+    assert (good.folder / "rig" / "stereo.yaml").read_text() == (deep / "rig" / "stereo.yaml").read_text()
 
 
 def test_same_images_on_both_sides_are_refused(images: Path) -> None:
@@ -224,10 +245,9 @@ def test_recording_from_one_camera_is_refused(shared_data: Path, tmp_path: Path)
     assert [file.name for file in (tmp_path / "rig").iterdir()] == ["calibration_report.html"]
 
 
-def test_record_beside_the_rig_reads_back(images: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run_on(images, "left*.png", "right*.png")
-    printed, record = capsys.readouterr().out, load_record(images / "rig")
-    rig = load_rig(images / "rig")
+def test_record_beside_the_rig_reads_back(good: Calibrated) -> None:
+    printed, record = good.out, load_record(good.folder / "rig")
+    rig = load_rig(good.folder / "rig")
     assert record.uncertainty.parameters[0] == pytest.approx(rig.left.K[0, 0])
     assert f"verdict   {record.verdict}" in printed
     for word in ("held out", "epipolar error", "coverage", "±", "(1 sigma)", "calibration.yaml"):
@@ -265,10 +285,9 @@ def report(folder: Path) -> str:
     return (folder / "rig/calibration_report.html").read_text(encoding="utf-8")
 
 
-def test_report_page_is_written_beside_the_rig(images: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    run_on(images, "left*.png", "right*.png")
-    assert f"written   {images}/rig/calibration_report.html" in capsys.readouterr().out
-    root = parsed(report(images))
+def test_report_page_is_written_beside_the_rig(good: Calibrated) -> None:
+    assert f"written   {good.folder}/rig/calibration_report.html" in good.out
+    root = parsed(report(good.folder))
     assert [row[0] for row in tables(root)["Pairs used and left out"]] == [
         f"left{i}.png + right{i}.png" for i in range(1, 10)
     ]

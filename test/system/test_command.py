@@ -18,7 +18,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from recordings import DEMO_RIG, Recording, demo_pairs, write_images
-from ros_tools import System, environment, reserved_domain, slowness, stereo_pick, stereo_pick_here
+from ros_tools import Done, System, environment, is_prompt, reserved_domain, stereo_pick, stereo_pick_here
 from rosbags.highlevel import AnyReader
 
 from stereo_pick.cli import demo, run
@@ -54,9 +54,9 @@ def offline(bag: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-def locate(images: Path, index: int, *more: str | Path) -> str:
+def locate(images: Path, index: int, *more: str | Path, command: Callable[..., Done] = stereo_pick_here) -> str:
     files = [images / f"{side}{index:02}.png" for side in ("left", "right")]
-    done = stereo_pick("locate", *files, "--calibration", DEMO_RIG, *more)
+    done = command("locate", *files, "--calibration", DEMO_RIG, *more)
     assert (done.status, done.stderr) == (0, "")
     return done.stdout
 
@@ -67,7 +67,7 @@ def is_numbers(value: Any, *shape: int) -> bool:
 
 def test_locate_prints_json_of_the_promised_form(images: Path, tmp_path: Path) -> None:
     picture = tmp_path / "seen.png"
-    content = json.loads(locate(images, 0, "--json", "--picture", picture))
+    content = json.loads(locate(images, 0, "--json", "--picture", picture, command=stereo_pick))
     assert "left" in content["frame"]
     assert "raw" in content["frame"]
     assert len(content["objects"]) == 4
@@ -119,8 +119,8 @@ def test_replay_writes_lines_or_a_bag_with_the_poses_in_it(
     bag: Path, offline: list[dict[str, Any]], tmp_path: Path
 ) -> None:
     lines, poses = tmp_path / "poses.jsonl", tmp_path / "poses.mcap"
-    for output in (lines, poses):
-        done = stereo_pick("replay", bag, "--output", output)
+    for output, command in ((lines, stereo_pick_here), (poses, stereo_pick)):
+        done = command("replay", bag, "--output", output)
         assert (done.status, done.stdout, done.stderr) == (0, "", "")
     assert [json.loads(line) for line in lines.read_text().splitlines()] == offline
     assert sorted(path.name for path in tmp_path.iterdir()) == ["poses.jsonl", "poses.mcap"]
@@ -130,7 +130,7 @@ def test_replay_writes_lines_or_a_bag_with_the_poses_in_it(
         assert array.header.stamp.sec * 10**9 + array.header.stamp.nanosec == line["stamp_ns"]
         positions = [[p.position.x, p.position.y, p.position.z] for p in array.poses]
         assert positions == [each["position_m"] for each in line["objects"]]
-    again = stereo_pick("replay", bag, "--output", poses)
+    again = stereo_pick_here("replay", bag, "--output", poses)
     assert f"{poses} exists already" in again.error
     of_own = stereo_pick_here("replay", poses, "--output", tmp_path / "more.mcap")
     assert f"{poses} holds /object_poses already: give the recording without poses" in of_own.error
@@ -160,8 +160,8 @@ def pose_arrays(bag: Path) -> list[Any]:
 
 
 def test_replay_takes_a_folder_and_another_method(images: Path, bag: Path) -> None:
-    of_folder = stereo_pick("replay", images, "--calibration", DEMO_RIG, "--method", "ssd")
-    of_bag = stereo_pick("replay", bag, "--calibration", DEMO_RIG, "--method", "ssd")
+    of_folder = stereo_pick_here("replay", images, "--calibration", DEMO_RIG, "--method", "ssd")
+    of_bag = stereo_pick_here("replay", bag, "--calibration", DEMO_RIG, "--method", "ssd")
     assert of_folder.status == of_bag.status == 0
     parsed = [[json.loads(line) for line in done.stdout.splitlines()] for done in (of_folder, of_bag)]
     assert [line["objects"] for line in parsed[0]] == [line["objects"] for line in parsed[1]]
@@ -241,7 +241,7 @@ def test_run_loops_until_a_signal_and_leaves_no_process(
     system.graph.wait(lambda: len(shown(child.output)) > COUNT, f"more than one round: {child.output}")
     status, seconds = child.end(number)
     assert status == 0, child.output
-    assert seconds < 2 * slowness()
+    assert is_prompt(seconds)
     check_shown(shown(child.output), offline)
     assert re.search(r"^\d+ pose arrays received$", child.output.splitlines()[-1])
     assert "rror" not in child.output
@@ -282,6 +282,7 @@ def processes_in(domain: int) -> list[str]:
     return found
 
 
+@pytest.mark.first
 def test_the_demo_ends_with_its_verdict(tmp_path: Path) -> None:
     with reserved_domain() as domain:
         done = stereo_pick("demo", "--output", tmp_path / "out", env=environment(domain))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from rendered_solids import PARTS, PLACED, RIG, rectified, solid_of
 from rendering import Scene
@@ -13,10 +15,14 @@ from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.hypotheses import Images
 
 SCENE = Scene((PARTS["standing"],), PLACED)
-IMAGES = Images(rectified(RIG, SCENE))
 SOLID = solid_of(RIG, SCENE, PARTS["standing"])
 KNOWN = SolidFit("cylinder", SOLID.centre_m[0], SOLID.rotation[0], SOLID.size_m()[0], 0.1, np.eye(3))
 HALF_PX = 120.0
+
+
+@cache
+def images() -> Images:
+    return Images(rectified(RIG, SCENE))
 
 
 def square_beside(right: bool) -> Blob:
@@ -30,7 +36,7 @@ def square_beside(right: bool) -> Blob:
 
 def test_what_lies_on_a_known_solid_is_cut_off() -> None:
     seen = square_beside(right=False), square_beside(right=True)
-    for before, blob, camera in zip(seen, clear_of(seen, IMAGES.behind([KNOWN])), (RIG.left, RIG.right)):
+    for before, blob, camera in zip(seen, clear_of(seen, images().behind([KNOWN])), (RIG.left, RIG.right)):
         own = blob.contour_px[blob.sharpness > CUT]
         x, y = KNOWN.centre_px(camera)
         radius_px = np.linalg.norm(KNOWN.silhouette_px(camera) - (x, y), axis=1)
@@ -43,6 +49,6 @@ def test_what_lies_on_a_known_solid_is_cut_off() -> None:
 
 def test_where_nothing_is_known_or_nothing_would_be_left_it_is_the_same() -> None:
     seen = square_beside(right=False), square_beside(right=True)
-    assert clear_of(seen, IMAGES) == seen
+    assert clear_of(seen, images()) == seen
     tiny = Blob(KNOWN.centre_px(RIG.left) + [(0, 0), (1, 0), (1, 1)], 100.0, sharpness=np.full(3, 0.9))
-    assert clear_of((tiny, seen[1]), IMAGES.behind([KNOWN]))[0] is tiny
+    assert clear_of((tiny, seen[1]), images().behind([KNOWN]))[0] is tiny

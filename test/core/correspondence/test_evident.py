@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,10 +12,12 @@ from rendering import Scene
 
 from stereo_pick.core.correspondence import evident
 from stereo_pick.core.correspondence.evident import Evident
-from stereo_pick.core.pipeline import Steps
+from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.objects import Blobs, Detector
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
 NORMAL = RIG.left.R @ PLACED.rotation[:, 2]
@@ -37,6 +40,14 @@ class Case:
     stands: bool = False
     seen: bool = False
     beyond: bool = False
+
+
+@cache
+def seen(part: str) -> tuple[RectifiedPair, Blobs, Solids]:
+    """The views of a lone part, what is found in them, and what it is."""
+    scene = Scene((PARTS[part],), PLACED, ambient=0.5)
+    pair = rectified(RIG, scene)
+    return pair, Detector().detect(pair), solid_of(RIG, scene, PARTS[part])
 
 
 @pytest.mark.parametrize(
@@ -89,10 +100,7 @@ class Case:
 def test_what_is_not_exactly_on_its_edges_is_told_from_all_else(
     case: Case, is_clear: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scene = Scene((PARTS[case.part],), PLACED, ambient=0.5)
-    pair = rectified(RIG, scene)
-    blobs, _ = Steps().correspond(pair)
-    true = solid_of(RIG, scene, PARTS[case.part])
+    pair, blobs, true = seen(case.part)
     fit = SolidFit(true.kind.name, true.centre_m[0], true.rotation[0], true.size_m()[0], case.off_px, 1e-8 * np.eye(3))
     there = Adjusted(fit, case.shown, case.creased, True, case.denied)
     alone = fit if case.stands else replace(fit, centre_m=fit.centre_m + 0.01 * NORMAL)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -41,6 +42,9 @@ def dots(seed: int = 4, radius_px: float = 1.6, share: float = 0.12) -> Texture:
     return grey
 
 
+TEXTURES = {"waves": pattern(), "dots": dots()}
+
+
 def views(texture: Texture, shift: Callable[[Floats, Floats], Floats], noise_dn: float = 1.0) -> tuple[Grey, Grey]:
     """What the left view shows at (u, v) the right one shows at u - shift(u, v)."""
     v, u = np.indices(SHAPE, np.float64)
@@ -50,6 +54,12 @@ def views(texture: Texture, shift: Callable[[Floats, Floats], Floats], noise_dn:
         source = u + shift(source, v)
     images = [np.clip(np.round(texture(x, v) + rng.normal(0, noise_dn, SHAPE)), 0, 255) for x in (u, source)]
     return images[0].astype(np.float32), images[1].astype(np.float32)
+
+
+@lru_cache(maxsize=8)
+def shifted(name: str, shift_px: float, noise_dn: float = 1.0) -> tuple[Grey, Grey]:
+    """Views of a texture whose shift is the same everywhere; both costs are tried on them."""
+    return views(TEXTURES[name], lambda u, v: np.full_like(u, shift_px), noise_dn)
 
 
 def points(step_px: int = 40) -> Floats:
@@ -64,18 +74,18 @@ def fitted(pair: tuple[Grey, Grey], at: Floats, start_px: float, window_px: int 
 @both_costs
 @pytest.mark.parametrize("shift_px", SHIFTS)
 def test_a_known_sub_pixel_shift_is_found_from_between_pixels_too(cost: str, shift_px: float) -> None:
-    pair = views(pattern(), lambda u, v: np.full_like(u, shift_px))
+    pair = shifted("waves", shift_px)
     at = np.array([(200.0, 100.0), (333.3, 240.7), (500.5, 300.5)])
     np.testing.assert_allclose(fitted(pair, at, 20.5, cost=cost).column_px, at[:, 0] - shift_px, atol=0.06)
 
 
 @both_costs
-@pytest.mark.parametrize("texture", [pattern(), dots()], ids=["waves", "dots"])
-def test_the_shift_does_not_lock_to_whole_pixels(cost: str, texture: Texture) -> None:
+@pytest.mark.parametrize("texture", TEXTURES)
+def test_the_shift_does_not_lock_to_whole_pixels(cost: str, texture: str) -> None:
     """A parabola through three SSD values pulls every match towards the nearest whole pixel."""
     errors, at = [], points()
     for shift_px in SHIFTS[::2]:
-        pair = views(texture, lambda u, v, shift=shift_px: np.full_like(u, shift))
+        pair = shifted(texture, shift_px)
         fit = fitted(pair, at, round(float(shift_px)), cost=cost)
         good = fit.sigma_px < 0.15
         assert good.mean() > 0.8
@@ -104,7 +114,7 @@ def test_a_slanted_face_is_found_without_bias(cost: str, slant: tuple[float, flo
 @both_costs
 @pytest.mark.parametrize("noise_dn", [2.0, 6.0])
 def test_the_stated_sigma_is_that_of_the_noise(cost: str, noise_dn: float) -> None:
-    pair = views(pattern(), lambda u, v: np.full_like(u, 20.4), noise_dn)
+    pair = shifted("waves", 20.4, noise_dn)
     at = points(20)
     fit = fitted(pair, at, 20, cost=cost)
     squared = ((fit.column_px - at[:, 0] + 20.4) / fit.sigma_px) ** 2

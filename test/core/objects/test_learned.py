@@ -48,10 +48,15 @@ def learned_from(light: Floats, pairs: int = 20, noise_dn: float = 1.0) -> Learn
     return learner.finished()
 
 
+@cache
+def learned_from_printed() -> LearnedBackground:
+    return learned_from(printed())
+
+
 @pytest.fixture(scope="module")
 def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("learned") / "background.npz"
-    save_background(path, learned_from(printed()))
+    save_background(path, learned_from_printed())
     return path
 
 
@@ -63,7 +68,7 @@ def test_mean_and_noise_are_those_of_the_pairs() -> None:
 
 
 def test_a_file_holds_all_of_it(file: Path) -> None:
-    learned, again = learned_from(printed()), load_background(file)
+    learned, again = learned_from_printed(), load_background(file)
     assert (again.calibration_hash, again.pairs) == (learned.calibration_hash, 20)
     for side in ("left", "right"):
         one, other = getattr(learned, side), getattr(again, side)
@@ -74,7 +79,7 @@ def test_a_file_holds_all_of_it(file: Path) -> None:
 @pytest.mark.parametrize("covered", [False, True])
 @pytest.mark.parametrize(("gain", "offset"), [(1.0, 0.0), (0.6, 20.0), (1.5, -10.0)])
 def test_it_follows_the_light_whatever_lies_on_it(gain: float, offset: float, covered: bool) -> None:
-    learned, light = learned_from(printed()), gain * printed() + offset
+    learned, light = learned_from_printed(), gain * printed() + offset
     shown = light.copy()
     if covered:
         shown[100:400, 60:440] = 230.0
