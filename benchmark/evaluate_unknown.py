@@ -123,7 +123,7 @@ def _report(jobs: Sequence[Job], scores: Sequence[Scored]) -> str:
 def _table(scores: Sequence[Scored], shapes: Sequence[str]) -> str:
     rows = [_row(shape, [one for one in scores if one.shape == shape]) for shape in shapes]
     header = (
-        "shape", "scenes", "refused", "poses", "off, median [mm]", "over 5 mm", "of these not admitted",
+        "shape", "scenes", "refused", "poses", "off, median [mm]", "not admitted", "over 5 mm", "not admitted of these",
         "known parts found beside",
     )  # fmt: skip
     return markdown_table(header, [*rows, _row("all", scores)])
@@ -139,10 +139,13 @@ def _row(name: str, scores: Sequence[Scored]) -> list[str]:
         str(sum(not one.off_m for one in scores)),
         str(len(off_m)),
         decimals(1000 * median(off_m), 1) if off_m else "–",
-        str(len(wrong)),
-        str(sum(surprise > CHI2_3[95] for surprise in wrong)),
+        *(str(count) for count in (_not_admitted(surprises), len(wrong), _not_admitted(wrong))),
         f"{sum(one.found for one in scores)} of {sum(one.known for one in scores)}",
     ]
+
+
+def _not_admitted(surprises: Sequence[float]) -> int:
+    return sum(surprise > CHI2_3[95] for surprise in surprises)
 
 
 def _options() -> argparse.Namespace:

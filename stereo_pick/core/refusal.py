@@ -35,7 +35,7 @@ REASONS = {
     "saturated": "over-exposed: what is as bright as a pixel can be has no edges",
     "out_of_focus": "not even the sharpest part of its outline is sharp enough to be placed",
     "uneven": "the background varies so much that most objects could not be told from it",
-    "shaded": "it is dark and no solid explains it: its shadow may be a part of its outline",
+    "shaded": "it is dark, no solid explains it and no table is known: its shadow may be a part of its outline",
 }
 """Every reason for a refusal, and what it means."""
 

@@ -143,7 +143,8 @@ class Feature(Method):
         objects = [row for row in together.kept if row not in prints]
         normal = table.normal if table else common_normal([where.fit for _, where in objects])
         is_choosy = self.assignment == "global"  # the thesis takes what comes
-        shaded = [row for row in objects if is_choosy and scene.may_be_more_than(row, rig)]
+        looks_at_shadows = is_choosy and self.table == FOUND  # those of what hangs are elsewhere
+        shaded = [row for row in objects if looks_at_shadows and scene.may_be_shaded(row, rig)]
         kept, unknown = self._of_known_reference([row for row in objects if row not in shaded], normal)
         most = self.max_sigma_of_width if is_choosy else np.inf
         unread = [*together.refused, *scene.reading.for_good, *(Unread("flat", *each) for each, _ in prints)]

@@ -69,10 +69,13 @@ class Scene:
             return False
         return not any(where.fit is not None and stands_on(table, where.fit) for _, where in self.together.kept)
 
-    def may_be_more_than(self, row: Row, rig: StereoRig) -> bool:
-        """Whether what no solid explains may be an object and its shadow: one that lies flat throws none."""
+    def may_be_shaded(self, row: Row, rig: StereoRig) -> bool:
+        """Whether what no solid explains may be an object and its shadow, as long as no table is known that would tell
+        how far down it reaches: one that lies flat throws none."""
         blobs, where = row
-        return where.fit is None and not self.shaded.isdisjoint(blobs) and not shows_one_face(*blobs, rig)
+        if where.fit is not None or self.together.table is not None or self.shaded.isdisjoint(blobs):
+            return False
+        return not shows_one_face(*blobs, rig)
 
 
 def scene_on(reader: Reader, looks: FirstLooks, there: FoundTable | None, edge_radius_m: float) -> Scene:
