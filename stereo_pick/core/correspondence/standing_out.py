@@ -25,6 +25,7 @@ _CHANCE = 3 * float(np.sqrt(2 / (SIDE_PX**2 - 3)))  # ... and, of Fisher's z of 
 _LIMIT = 0.999  # of correlation, of which z is finite
 _NEAREST_PX, _STEP_PX = 1.0, 0.5  # before the surface; the steps in which it is looked for
 _AGREE_PX = 1.5  # from what most of them say
+_ENOUGH = 128  # windows: in large views there are thousands, and each is looked for along a long line
 
 
 def stands_out(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -> bool:
@@ -42,9 +43,10 @@ def stands_out(pair: RectifiedPair, fit: SolidFit, others: Sequence[SolidFit]) -
 
 
 def _unlike(surface: WarpedSurface) -> Ints:
-    """The windows (N, 2), column and row, that are not alike where the surface shows them."""
+    """Enough of the windows (N, 2), column and row, that are not alike where the surface shows them."""
     alike = np.max([surface.alike(off) for off in (-_STEP_PX, 0.0, _STEP_PX)], axis=0)
-    return surface.windows(alike < ALIKE)
+    unlike = surface.windows(alike < ALIKE)
+    return unlike[:: 1 + len(unlike) // _ENOUGH]
 
 
 def _out_px(surface: WarpedSurface, places: Ints, most_px: float) -> Floats:
