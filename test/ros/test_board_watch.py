@@ -85,7 +85,7 @@ def test_it_tells_that_it_calibrates_from_the_call_to_the_outcome(pairs: Pairs) 
     watch, gate = BoardWatch(BOARD, max_waiting=10), threading.Event()
     assert not watch.calibrating
     watch.offer(reader(0, pairs[0]))
-    watch.calibrate(lambda images: gate.wait(60))  # type: ignore[arg-type,return-value]
+    watch.calibrate(lambda images: gate.wait(60))
     assert watch.calibrating
     gate.set()
     wait(lambda: not watch.calibrating)

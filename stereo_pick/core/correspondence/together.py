@@ -18,7 +18,6 @@ from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.correspondence.rising_outline import rises_beside
 from stereo_pick.core.correspondence.second_thoughts import CREASED, WELL_SHOWN, is_flat_after_all, reconsidered
 from stereo_pick.core.correspondence.standing_out import stands_out
-from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.hypotheses import Images
@@ -74,9 +73,10 @@ def adjusted_together(
     exact = _exactly(images, seen, table if known else common, known, edge_radius_m)
     placed = placed_surely(images, seen, exact, table, warped)
     both = [(row, each) for row, (_, each) in zip(placed, seen)]
-    more = _standing_out(images, both, rest)
+    fits = [each.fit for _, each in both] + [where.fit for _, where in rest if where.fit is not None]
+    more = _standing_out(images, both, fits)
     more += [row for row in _pieces(images, both, common) if row not in more]
-    more += [row for row in _outgrown(images.rig, both, rest, common) if row not in more]
+    more += [row for row in _outgrown(images, both, fits, common) if row not in more]
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
     if warped is not None and not flat_parts:
         flat += _printed(warped, [(row, each) for row, each in both if row not in flat])
@@ -183,11 +183,10 @@ def _is_settled(found: Adjusted) -> bool:
     return found.creased >= CREASED and not found.may_be_another
 
 
-def _standing_out(images: Images, placed: Sequence[Seen], rest: Sequence[Row]) -> list[Row]:
-    """Those before the surface of which something is seen."""
-    fits = [each.fit for _, each in placed] + [where.fit for _, where in rest if where.fit is not None]
+def _standing_out(images: Images, placed: Sequence[Seen], solids: Sequence[SolidFit]) -> list[Row]:
+    """Those before the surface of which something is seen that is none of the solids."""
     return [
-        row for row, each in placed if stands_out(images.pair, each.fit, [fit for fit in fits if fit is not each.fit])
+        row for row, each in placed if stands_out(images.pair, each.fit, [fit for fit in solids if fit is not each.fit])
     ]
 
 
@@ -196,12 +195,9 @@ def _pieces(images: Images, placed: Sequence[Seen], table: Table | None) -> list
     return [row for row, each in placed if has_open_end(each.fit.solid, images.eyes_m, images.maps, table)]
 
 
-def _outgrown(rig: StereoRig, placed: Sequence[Seen], rest: Sequence[Row], table: Table | None) -> list[Row]:
-    """Those beside which their outlines show something that rises from the table."""
-    if table is None:
-        return []
-    fits = [each.fit for _, each in placed] + [where.fit for _, where in rest if where.fit is not None]
-    return [row for row, _ in placed if rises_beside(row[0], fits, rig, table)]
+def _outgrown(images: Images, placed: Sequence[Seen], solids: Sequence[SolidFit], table: Table | None) -> list[Row]:
+    """Those of which the outlines show something that rises from the table beside the solids."""
+    return [row for row, _ in placed if table is not None and rises_beside(row[0], solids, images.rig, table)]
 
 
 def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:
