@@ -53,7 +53,7 @@ class Carton(Paint):
     ink: float = 0.5
 
     def over(self, xy_m: Floats, albedo: Floats) -> Floats:
-        along, across = _own(xy_m, self.x_m, self.y_m, self.yaw_rad)
+        along, across = own(xy_m, self.x_m, self.y_m, self.yaw_rad)
         margin = np.minimum(self.length_m / 2 - np.abs(along), self.width_m / 2 - np.abs(across))
         line = (np.sin(across * 700) > 0.3) & (np.sin(along * 160 + np.floor(across * 111) * 5) > -0.4)
         printed = ((margin > 0.008) & line) | ((margin > 0.003) & (margin < 0.005))
@@ -73,7 +73,7 @@ class Label(Paint):
     is_round: bool = False
 
     def over(self, xy_m: Floats, albedo: Floats) -> Floats:
-        along, across = _own(xy_m, self.x_m, self.y_m, self.yaw_rad)
+        along, across = own(xy_m, self.x_m, self.y_m, self.yaw_rad)
         from_middle = np.abs(along) * 2 / self.length_m, np.abs(across) * 2 / self.width_m
         reach = np.hypot(*from_middle) if self.is_round else np.maximum(*from_middle)
         return np.where(reach < 1, self.albedo, albedo)
@@ -92,7 +92,7 @@ class Edge(Paint):
         return np.where(outside, self.beyond, albedo)
 
 
-def _own(xy_m: Floats, x_m: float, y_m: float, yaw_rad: float) -> tuple[Floats, Floats]:
+def own(xy_m: Floats, x_m: float, y_m: float, yaw_rad: float) -> tuple[Floats, Floats]:
     """Points (N, 2) along and across a sheet that lies at (x, y), turned so far."""
     c, s = np.cos(yaw_rad), np.sin(yaw_rad)
     moved = xy_m - (x_m, y_m)

@@ -266,3 +266,31 @@ def test_bright_parts_with_dark_sides_are_more_than_their_shadows() -> None:
 def test_a_region_that_holds_nothing_is_refused(values: dict[str, int], says: str) -> None:
     with pytest.raises(ParameterError, match=says):
         Detector(**values).detect(blank_pair())
+
+
+FRAME: Disc = (320.0, 240.0, 200.0)
+
+
+def framed(inner: Disc, hole_px: float, within: float = 200.0) -> Floats:
+    """A bright ring about the middle of a dark view, and a disc, bright as well, in its hole."""
+    x, y, _ = FRAME
+    light, hole = discs((FRAME,), 200.0, 50.0), discs(((x, y, hole_px),), 1.0, 0.0)
+    light = light * (1 - hole) + 50.0 * hole
+    there = discs((inner,), 1.0, 0.0)
+    return np.asarray(light * (1 - there) + within * there)
+
+
+@pytest.mark.parametrize("within", [120.0, 200.0])
+def test_what_lies_within_a_frame_is_found(within: float) -> None:
+    """As parts in a container, whose walls are as bright: they were a part of it."""
+    inner = (280.4, 200.8, 25.0)
+    blobs = found(framed(inner, hole_px=190.0, within=within))
+    small = [blob for blob in blobs.left if blob.rectangle[0] < 100]
+    np.testing.assert_allclose(centroids(tuple(small)), places(inner), atol=0.1)
+    assert faults(tuple(small)) == [""] and len(blobs.left) == 2
+
+
+@pytest.mark.parametrize(("inner", "hole_px"), [((320.0, 240.0, 25.0), 60.0), ((320.0, 240.0, 160.0), 170.0)])
+def test_a_part_with_a_hole_is_one(inner: Disc, hole_px: float) -> None:
+    """A spot in a pattern is no part of its own, nor is the table that is seen through a tube."""
+    assert len(found(framed(inner, hole_px)).left) == 1
