@@ -9,6 +9,7 @@ from stereo_pick.core.correspondence.carried import without_edges
 from stereo_pick.core.correspondence.inscribed import discs_within
 from stereo_pick.core.correspondence.last_look import MOST, LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.located import TOP, is_flat
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.overlap import covers
 from stereo_pick.core.correspondence.risen import all_risen
@@ -60,10 +61,10 @@ def _found(look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence
 
 
 def _unless_marks(warped: WarpedViews, seen: Seen | None) -> Seen | None:
-    """A solid that is told from marks on the table, and not these in its place."""
+    """A solid that is told from marks on the table, and not these in its place, or in that of some of it."""
     if seen is None or not warped.is_told_from_marks(seen[1].fit) or warped.is_seen_in_place_of(seen[1].fit):
         return None
-    return seen
+    return None if warped.is_seen_in_place_of_some(seen[1].fit) else seen
 
 
 def _fits(found: Sequence[Seen]) -> list[SolidFit]:
@@ -90,7 +91,10 @@ def _within(look: LastLook, warped: WarpedViews, refused: Sequence[Unread], foun
         if any(covers(fit, disc.centre_px, cameras[disc.view]) for fit in known):
             continue
         another = _found(look, warped, disc.unread, known)
-        if another is not None and disc.is_filled_by(another[1].fit, rig):
+        # what is thin may be a pattern on a plate, or its shadow
+        if another is None or is_flat(another[1].fit, TOP):
+            continue
+        if disc.is_filled_by(another[1].fit, rig):
             more.append(_by_itself(another, rig))
     return more
 

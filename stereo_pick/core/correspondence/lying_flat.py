@@ -25,6 +25,7 @@ from stereo_pick.core.shapes.table import Table
 
 _WITHIN_PX = CLEAR_PX  # a solid's outline
 _RISES_PX = 1.0  # of disparity, above what is open of the table's, that tells a surface from it
+_UNLIKE = 0.5  # correlation of windows that show something else: those of shading are alike at many disparities
 _MOST, _HALF = 0.9, 0.5  # of the windows
 _LOW = 0.1  # of its length, that is no height
 _END = 1 - 1e-6  # of half a length
@@ -72,6 +73,16 @@ class WarpedViews:
             return False
         told = self.seen.alike[hidden] > self._alike_at(hidden, surface_px)
         return float((self.seen.lies[hidden] & told).mean()) > (_HALF if is_slim else _MOST)
+
+    def is_seen_in_place_of_some(self, fit: SolidFit) -> bool:
+        """Whether the table is surely seen where some of a solid would hide it from both cameras: that is no part of
+        what it is taken for, but lies beside it."""
+        within_px, _ = self._within(fit)
+        hidden, surface_px = self._before_table(fit, within_px > _WITHIN_PX)
+        if int(hidden.sum()) < LEAST:
+            return False
+        hidden[hidden] = self.seen.lies[hidden] & (self._alike_at(hidden, surface_px) < _UNLIKE)
+        return len(self.seen.pieces(hidden)) > 0
 
     def is_told_from_marks(self, fit: SolidFit) -> bool:
         """Whether a solid rises by so much, a pixel of disparity of the whole views, that what lies on the table would

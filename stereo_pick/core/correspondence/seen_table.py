@@ -98,9 +98,13 @@ class SeenTable:
         return rest
 
     def pieces_off(self, chosen: Bools) -> list[Ints]:
-        """The middles (K, 2), column and row, of those windows, chosen (N,) of all, that do not show the table, of each
-        of the places where there are some."""
-        column, row = self.left[chosen & ~self.lies].astype(int).T
+        """Those `pieces` of windows, chosen (N,) of all, that do not show the table."""
+        return self.pieces(chosen & ~self.lies)
+
+    def pieces(self, chosen: Bools) -> list[Ints]:
+        """The middles (K, 2), column and row, of windows, chosen (N,) of all, of each of the places where there are
+        some."""
+        column, row = self.left[chosen].astype(int).T
         there = np.zeros(self.view.shape, np.uint8)
         there[row, column] = 1
         joined = cv2.dilate(there, np.ones((SIDE_PX, SIDE_PX), np.uint8))

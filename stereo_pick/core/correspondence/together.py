@@ -77,6 +77,7 @@ def adjusted_together(
     more = _standing_out(images, both, fits)
     more += [row for row in _pieces(images, both, common) if row not in more]
     more += [row for row in _outgrown(images, both, fits, common) if row not in more]
+    more += [row for row in _seen_through(both, warped) if row not in more]
     flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
     if warped is not None and not flat_parts:
         flat += _printed(warped, [(row, each) for row, each in both if row not in flat])
@@ -198,6 +199,11 @@ def _pieces(images: Images, placed: Sequence[Seen], table: Table | None) -> list
 def _outgrown(images: Images, placed: Sequence[Seen], solids: Sequence[SolidFit], table: Table | None) -> list[Row]:
     """Those of which the outlines show something that rises from the table beside the solids."""
     return [row for row, _ in placed if table is not None and rises_beside(row[0], solids, images.rig, table)]
+
+
+def _seen_through(placed: Sequence[Seen], warped: WarpedViews | None) -> list[Row]:
+    """Those that are taken to reach farther than they do: the table is seen there."""
+    return [row for row, each in placed if warped is not None and warped.is_seen_in_place_of_some(each.fit)]
 
 
 def _printed(warped: WarpedViews, placed: Sequence[Seen]) -> list[Row]:
