@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -15,6 +16,7 @@ from stereo_pick.core.correspondence.found_table import FoundTable
 from stereo_pick.core.correspondence.given_table import misplaced_m
 from stereo_pick.core.correspondence.grain import grained_table
 from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.marks import marks_among
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.prints import prints_among
@@ -31,9 +33,10 @@ from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, common_normal
-from stereo_pick.core.shapes.common_table import stands_on
+from stereo_pick.core.shapes.common_table import common_table, stands_on, surely_on
 from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.table import FOUND, NONE, Table
 
 Pairs = list[tuple[int, int]]
@@ -82,9 +85,10 @@ class Feature(Method):
     )
     table: str = parameter(
         FOUND,
-        "What the objects stand on: `found` by its own grain, from the objects that are seen best, or by the shadows "
-        "on it; `none` where they may stand or hang anywhere; or the plane itself, as its normal towards the cameras "
-        "and its offset, `nx ny nz d`: the points p [m] in the rectified left camera frame with n p + d = 0; "
+        "What the objects stand on: `found` by marks on it, by its own grain, from the objects that are seen best, or "
+        "by the shadows on it; `none` where they may stand or hang anywhere; or the plane itself, as its normal "
+        "towards the cameras and its offset, `nx ny nz d`: the points p [m] in the rectified left camera frame with "
+        "n p + d = 0; "
         "`stereo-pick table` measures it.",
     )
     max_sigma_of_width: float = parameter(
@@ -123,10 +127,10 @@ class Feature(Method):
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         """Return the centres of matched objects, left to right in the left view."""
         reader = Reader(_images(pair, blobs), self.similarity(pair.rig), self.ambiguity_margin, self.flat_parts)
-        if self.assignment == "area":
-            looks = FirstLooks(reader.look_at(blobs, _by_area(blobs), []), None)
-        else:
-            looks = FirstLooks(reader.look(blobs), reader.look(blobs.others) if blobs.others else None)
+        marked = self._on_marks(reader, blobs)
+        if marked is not None:
+            return marked
+        looks = self._looks(reader, blobs)
         known = self._known_table(pair, blobs, looks.fits)
         if known is not None and self.table != FOUND and (off_m := misplaced_m(known, looks.fits)) is not None:
             unread = reader.read(looks.first, None).unread
@@ -137,7 +141,31 @@ class Feature(Method):
         shaded = partial(shaded_tables, pair, blobs, self.disparities_px(pair.rig))
         return self._collected(pair.rig, scene_on_found_table(reader, looks, shaded, self.edge_radius_m))
 
-    def _collected(self, rig: StereoRig, scene: Scene) -> Correspondences:
+    def _looks(self, reader: Reader, blobs: Blobs) -> FirstLooks:
+        if self.assignment == "area":
+            return FirstLooks(reader.look_at(blobs, _by_area(blobs), []), None)
+        return FirstLooks(reader.look(blobs), reader.look(blobs.others) if blobs.others else None)
+
+    def _on_marks(self, reader: Reader, blobs: Blobs) -> Correspondences | None:
+        """What stands on a table that marks show, or are on; None where none do."""
+        if self.flat_parts or self.table == NONE or self.assignment == "area":
+            return None
+        rig, given = reader.images.rig, self._given_table()
+        for marks in marks_among(blobs, reader.images.pair, reader.similarity):
+            if given is not None and not marks.are_on(given, rig):
+                continue
+            others, unread = marks.told_from(blobs, reader.similarity)
+            looks = self._looks(reader, others)
+            if given is not None or any(surely_on(marks.table, fit) for fit in looks.fits if fit.kind != SPHERE.name):
+                there = FoundTable(given or marks.table, True)
+                return self._collected(rig, scene_on(reader, looks, there, self.edge_radius_m), unread)
+            below = common_table(looks.fits)
+            if below is not None and marks.are_on_a_plate(below, rig):
+                shaded = partial(shaded_tables, reader.images.pair, others, self.disparities_px(rig))
+                return self._collected(rig, scene_on_found_table(reader, looks, shaded, self.edge_radius_m), unread)
+        return None
+
+    def _collected(self, rig: StereoRig, scene: Scene, marks: Sequence[Unread] = ()) -> Correspondences:
         together, table = scene.together, scene.together.table
         prints = [] if self.flat_parts else prints_among(together.kept, rig, table, scene.is_known)
         objects = [row for row in together.kept if row not in prints]
@@ -147,7 +175,7 @@ class Feature(Method):
         shaded = [row for row in objects if looks_at_shadows and scene.may_be_shaded(row, rig)]
         kept, unknown = self._of_known_reference([row for row in objects if row not in shaded], normal)
         most = self.max_sigma_of_width if is_choosy else np.inf
-        unread = [*together.refused, *scene.reading.for_good, *(Unread("flat", *each) for each, _ in prints)]
+        unread = [*together.refused, *scene.reading.for_good, *marks, *(Unread("flat", *each) for each, _ in prints)]
         unread += [Unread("shaded", *each) for each, _ in shaded]
         unread += [Unread("no_solid", *each) for each, _ in unknown]
         sure, unsure = by_certainty(kept, unread, rig, most, together.warped)

@@ -77,6 +77,11 @@ def plane_with(normal: Floats, sides: Sides) -> Floats:
     return normal * (float((sides.weight * sides.disparity_px) @ on_it) / square if square else 0.0)
 
 
+def plane_of(table: Table, rig: StereoRig) -> Floats:
+    """The plane (3,) of a table, as `common_plane` has it."""
+    return np.asarray(-table.normal * rig.baseline_m / table.offset_m, np.float64)
+
+
 def height_m(plane: Floats, table: Table, rig: StereoRig) -> float:
     """How high above a table a plane (3,) lies that has its normal."""
     return table.offset_m + rig.baseline_m / float(plane @ table.normal)

@@ -34,7 +34,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.table import Table
 
-_WIDE_PX, _HIGH_PX, _STRIDE_PX = _GRID = 17, 9, 5  # of the reduced view, as all pixels here
+_WIDE_PX, _HIGH_PX, _STRIDE_PX = GRID = 17, 9, 5  # windows, in pixels of the reduced view, as all pixels here
 _AS_SQUARE_PX = 13
 _PLACED_PX = 0.15  # sigma that the edges in a window promise
 _TRIPLES = 2000
@@ -57,7 +57,7 @@ def shaded_tables(pair: RectifiedPair, blobs: Blobs, disparities_px: tuple[float
     windows = _seen(pair, (left, right), blobs, scale, (scale * disparities_px[0], scale * disparities_px[1]))
     found = []
     for plane, agree in _planes(windows, pair.rig, scale):
-        better = aligned(left, right, plane, windows.those(agree), _GRID)
+        better = aligned(left, right, plane, windows.those(agree), GRID)
         if better is not None:
             found.append(better.table(windows.rows.mean(axis=0), pair.rig, scale, _MIRRORED_PX))
     return [each for each in found if each is not None]
@@ -68,18 +68,24 @@ def _seen(
 ) -> Windows:
     """The windows that show edges, found in the other view; clear of bright objects in both."""
     left, right = views
-    noise = noise_dn(reduced(pair.left, scale))
-    around = np.ones((_HIGH_PX + 2, _WIDE_PX + 2), np.uint8)
-    usable = predicted_sigma_px(left, noise, _AS_SQUARE_PX, "zncc") < _PLACED_PX
-    usable &= cv2.erode(valid(pair.rig.left, left).astype(np.uint8), around) > 0
+    usable = shows_edges(pair, left, scale)
     if not blobs.may_be_shaded:
         usable &= clear_of_objects(left, blobs.left, scale, _WIDE_PX, _HIGH_PX)
-    windows = matches(left, right, on_grid(usable, *_GRID), (_WIDE_PX, _HIGH_PX), reach_px)
+    windows = matches(left, right, on_grid(usable, *GRID), (_WIDE_PX, _HIGH_PX), reach_px)
     if blobs.may_be_shaded:
         return windows
     clear = clear_of_objects(right, blobs.right, scale, _WIDE_PX, _HIGH_PX)
     columns = np.round(windows.centre_px[:, 0] - windows.disparity_px).astype(int)
     return windows.those(clear[windows.centre_px[:, 1].astype(int), np.clip(columns, 0, clear.shape[1] - 1)])
+
+
+def shows_edges(pair: RectifiedPair, left: Grey, scale: float) -> Bools:
+    """Which pixels (h, w) of the left view, `uneven` and of that scale, are at the middle of windows that show edges,
+    all of which the camera sees."""
+    around = np.ones((_HIGH_PX + 2, _WIDE_PX + 2), np.uint8)
+    seen = cv2.erode(valid(pair.rig.left, left).astype(np.uint8), around) > 0
+    noise = noise_dn(reduced(pair.left, scale))
+    return np.asarray(seen & (predicted_sigma_px(left, noise, _AS_SQUARE_PX, "zncc") < _PLACED_PX))
 
 
 def _planes(windows: Windows, rig: StereoRig, scale: float) -> Iterator[tuple[Floats, Bools]]:
