@@ -5,6 +5,7 @@ From a seed comes a scene, and how many of its solids, the first ones, are parts
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -17,8 +18,19 @@ from staging import BRIGHT, Random, Staged, table_of, with_mixed, workshop
 
 Surrounded = tuple[Staged, int]
 _PARTS = 4
-_TRIES = 400
+_SCENE_TRIES, _TRIES = 200, 400
 _LENSES_M = 0.42  # from the table's origin: what is further away lenses may not be good for
+
+
+def staged(family: str, seed: int) -> Surrounded:
+    """Scene `seed` of a family."""
+    random = np.random.default_rng([zlib.crc32(f"surroundings {family}".encode()), seed])
+    for _ in range(_SCENE_TRIES):
+        try:
+            return SURROUNDINGS[family](random)
+        except NoRoomError:
+            continue
+    raise RuntimeError(f"{family} {seed}: the parts find no room")
 
 
 def breadboard(random: Random) -> Surrounded:

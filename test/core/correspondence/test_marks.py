@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from evaluate_surroundings import scored
+from marks import more
 from rendered_solids import RIG, rectified, table_of, true_fit
 from rendering import Box, Cylinder, Scene, Solid, Sphere, lamp_at, render_with_truth
 from rendering.printed import Board, Holes
@@ -116,12 +117,9 @@ def test_what_is_printed_is_seen_through_a_part_that_is_taken_to_reach_over_it(l
     assert warped.is_seen_in_place_of_some(true_fit(RIG, scene, longer))
 
 
-MORE = pytest.mark.more
-
-
 @pytest.mark.parametrize(
     ("family", "seed"),
-    [("markers", 0), pytest.param("chessboard", 4, marks=MORE), pytest.param("thick_board", 0, marks=MORE)],
+    [("markers", 0), pytest.param("chessboard", 4, marks=more), pytest.param("thick_board", 0, marks=more)],
 )
 def test_nothing_wrong_is_found_among_markers_and_boards(family: str, seed: int) -> None:
     """A box and a marker beside it were one box, 20 mm off; squares of a board were boxes and a cylinder, and a piece
