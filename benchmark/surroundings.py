@@ -53,9 +53,9 @@ def thick_board(random: Random) -> Surrounded:
     name, table = with_mixed(random, count=_PARTS)
     thick_m, square_m = _from(random, 0.003, 0.006), _from(random, 0.015, 0.03)
     for _ in range(_TRIES):
-        squares = _squares(*_place(random, 0.15), yaw(random), square_m, thick_m)
-        if _is_clear_of(table, squares, 0.01):
-            return _with(random, name, table, squares)
+        (x, y), turn = _place(random, 0.15), yaw(random)
+        if _is_clear_of(table, [Box(x, y, (10 * square_m, 8 * square_m, thick_m), turn)], 0.01):
+            return _with(random, name, table, _squares(x, y, turn, square_m, thick_m))
     raise NoRoomError
 
 

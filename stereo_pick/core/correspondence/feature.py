@@ -33,10 +33,9 @@ from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, common_normal
-from stereo_pick.core.shapes.common_table import common_table, stands_on, surely_on
+from stereo_pick.core.shapes.common_table import common_table, stands_on
 from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX
 from stereo_pick.core.shapes.hypotheses import Images
-from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.table import FOUND, NONE, Table
 
 Pairs = list[tuple[int, int]]
@@ -88,8 +87,7 @@ class Feature(Method):
         "What the objects stand on: `found` by marks on it, by its own grain, from the objects that are seen best, or "
         "by the shadows on it; `none` where they may stand or hang anywhere; or the plane itself, as its normal "
         "towards the cameras and its offset, `nx ny nz d`: the points p [m] in the rectified left camera frame with "
-        "n p + d = 0; "
-        "`stereo-pick table` measures it.",
+        "n p + d = 0; `stereo-pick table` measures it.",
     )
     max_sigma_of_width: float = parameter(
         0.5,
@@ -156,7 +154,7 @@ class Feature(Method):
                 continue
             others, unread = marks.told_from(blobs, reader.similarity)
             looks = self._looks(reader, others)
-            if given is not None or any(surely_on(marks.table, fit) for fit in looks.fits if fit.kind != SPHERE.name):
+            if given is not None or marks.bear(looks.fits):
                 there = FoundTable(given or marks.table, True)
                 return self._collected(rig, scene_on(reader, looks, there, self.edge_radius_m), unread)
             below = common_table(looks.fits)

@@ -20,7 +20,7 @@ from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized
 from stereo_pick.core.shapes.solid_fit import SolidFit
-from stereo_pick.core.shapes.surface import entered
+from stereo_pick.core.shapes.surface import entered, facing
 from stereo_pick.core.shapes.table import Table
 
 _WITHIN_PX = CLEAR_PX  # a solid's outline
@@ -75,13 +75,15 @@ class WarpedViews:
         return float((self.seen.lies[hidden] & told).mean()) > (_HALF if is_slim else _MOST)
 
     def is_seen_in_place_of_some(self, fit: SolidFit) -> bool:
-        """Whether the table is surely seen where some of a solid would hide it from both cameras: that is no part of
-        what it is taken for, but lies beside it."""
+        """Whether the table is surely seen where a face of a solid that looks up would hide it from both cameras: some
+        of the solid is none, but lies beside it. In faces that stand the table mirrors as if it went on behind them,
+        and what is seen at a slant is no more alike where it is than elsewhere."""
         within_px, _ = self._within(fit)
         hidden, surface_px = self._before_table(fit, within_px > _WITHIN_PX)
         if int(hidden.sum()) < LEAST:
             return False
-        hidden[hidden] = self.seen.lies[hidden] & (self._alike_at(hidden, surface_px) < _UNLIKE)
+        through = self.seen.lies[hidden] & (self._alike_at(hidden, surface_px) < _UNLIKE)
+        hidden[hidden] = through & self._looks_up(fit, hidden)
         return len(self.seen.pieces(hidden)) > 0
 
     def is_told_from_marks(self, fit: SolidFit) -> bool:
@@ -123,6 +125,12 @@ class WarpedViews:
         before = inside_it.copy()
         before[inside_it] = is_before
         return before, surface_px[is_before]
+
+    def _looks_up(self, fit: SolidFit, chosen: Bools) -> Bools:
+        """Whether a solid's surface is nearer to level than to upright (K,) at the windows chosen (N,) of all."""
+        places = normalized(at_full_size(self.seen.left[chosen], self.seen.scale), self.pair.rig.left)
+        up = facing(fit, self.pair.rig.eyes_m[0], np.c_[places, np.ones(len(places))]) @ self.table.normal
+        return np.asarray(up > np.sqrt(0.5), np.bool_)
 
     def _alike_at(self, chosen: Bools, disparity_px: Floats) -> Floats:
         """How alike (K,) windows, chosen (N,) of all, are to what the right view shows at these disparities (K,), as of

@@ -23,7 +23,10 @@ from stereo_pick.core.correspondence.window_planes import agree_on, of_table, of
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.common_table import stands_on, surely_on
+from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.sight import normalized
+from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
 
 _LEAST = 6  # outlines: three make a plane, as many bear it out
@@ -47,6 +50,11 @@ class Marks:
     def others(self, blobs: Blobs) -> Blobs:
         """All other outlines."""
         return _without(blobs, frozenset(blob for each in self.pairs for blob in each))
+
+    def bear(self, fits: Sequence[SolidFit]) -> bool:
+        """Whether one of these solids surely stands on their plane; balls stand on any."""
+        others = [fit for fit in fits if fit.kind != SPHERE.name]
+        return any(stands_on(self.table, fit) and surely_on(self.table, fit) for fit in others)
 
     def are_on(self, table: Table, rig: StereoRig) -> bool:
         """Whether they lie on a table, as far as both are known."""
@@ -131,9 +139,11 @@ def _centres(pairs: Sequence[BlobPair]) -> Windows:
 
 def _through(pairs: Sequence[BlobPair], rig: StereoRig) -> Table | None:
     """The plane through the centres of outlines, as sure in the middle of the view as these scatter about it; None
-    where it would be seen edge-on, or from behind."""
+    where these are in one line, or it would be seen edge-on, or from behind."""
     windows = _centres(pairs)
     rows = windows.rows
+    if np.linalg.matrix_rank(rows) < rows.shape[1]:
+        return None
     plane = np.asarray(np.linalg.lstsq(rows, windows.disparity_px, rcond=None)[0], np.float64)
     off = off_px(plane, windows)
     scatter_px2 = max(float(off @ off) / (len(off) - 3), _LENS_PX**2)
@@ -162,9 +172,8 @@ def _middle(size_px: Sequence[int]) -> Floats:
 def _on_it(table: Table, blobs: Blobs, rig: StereoRig) -> list[BlobPair]:
     """The outlines that lie on it: of marks that repeat, some may be taken for others."""
     left_px, right_px = (np.reshape([blob.centroid_px for blob in side], (-1, 2)) for side in (blobs.left, blobs.right))
-    there_px = (
-        left_px - np.c_[np.c_[left_px, np.ones(len(left_px))] @ of_table(table, rig, 1.0), np.zeros(len(left_px))]
-    )
+    disparity_px = np.c_[left_px, np.ones(len(left_px))] @ of_table(table, rig, 1.0)
+    there_px = left_px - np.c_[disparity_px, np.zeros(len(left_px))]
     near = np.argwhere(np.linalg.norm(there_px[:, None] - right_px, axis=2) < _NEAR_PX)
     pairs = [(blobs.left[i], blobs.right[j]) for i, j in near]
     found = [each for each in pairs if _lies_on(table, each, rig)]

@@ -9,6 +9,7 @@ from stereo_pick.core.shapes.kinds import CYLINDER, Prism, dot
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _TINY = 1e-12
+_BESIDE = 1e-5  # of their length, by which lines differ that show how a surface is turned
 
 
 def entered(fit: SolidFit, eye_m: Floats, ahead: Floats) -> Floats:
@@ -29,6 +30,17 @@ def entered(fit: SolidFit, eye_m: Floats, ahead: Floats) -> Floats:
     else:
         near, far = _within_round(origin, way, float(half[0]))
     return np.where((near < far) & (near > 0), near, np.nan)
+
+
+def facing(fit: SolidFit, eye_m: Floats, ahead: Floats) -> Floats:
+    """Normals (N, 3), towards the eye, of the surface where lines ahead (N, 3) from it meet the solid; NaN where they
+    miss."""
+    length = np.linalg.norm(ahead, axis=1, keepdims=True)
+    across, beside, _ = np.eye(3) * _BESIDE
+    lines = [ahead, ahead + length * across, ahead + length * beside]
+    here, right, below = (each * entered(fit, eye_m, each)[:, None] for each in lines)
+    normal = np.cross(below - here, right - here)
+    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True), np.float64)
 
 
 def _between_planes(origin: Floats, way: Floats, normals: Floats, reach: Floats) -> tuple[Floats, Floats]:

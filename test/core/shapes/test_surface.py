@@ -10,7 +10,7 @@ from rendering.rigs import rotation
 
 from stereo_pick.core.shapes.kinds import KINDS, Round, dot
 from stereo_pick.core.shapes.solid_fit import SolidFit
-from stereo_pick.core.shapes.surface import entered
+from stereo_pick.core.shapes.surface import entered, facing
 
 SIZES = {
     "sphere": (0.04, 0.04, 0.04),
@@ -68,3 +68,28 @@ def test_a_line_beside_a_solid_misses_it(kind: str, turn: tuple[float, float, fl
     away = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]) * 0.08
     assert np.isnan(entered(fit, EYE_M, fit.centre_m + away - EYE_M)).all()
     assert np.isnan(entered(fit, EYE_M, (EYE_M - fit.centre_m)[None])).all()  # behind the eye
+
+
+@pytest.mark.parametrize("kind", sorted(SIZES))
+@given(turn=turns)
+def test_a_surface_faces_the_eye_and_nothing_of_the_solid_is_before_its_plane(
+    kind: str, turn: tuple[float, float, float]
+) -> None:
+    fit = placed(kind, turn)
+    inner_m = fit.centre_m + np.random.default_rng(1).uniform(-0.1, 0.1, (20, 3)) * fit.size_m @ fit.rotation.T
+    ahead = inner_m - EYE_M
+    normal, points_m = facing(fit, EYE_M, ahead), EYE_M + ahead * entered(fit, EYE_M, ahead)[:, None]
+    np.testing.assert_allclose(np.linalg.norm(normal, axis=1), 1.0)
+    assert (dot(normal, ahead) < 0).all()
+    solid = fit.solid
+    reach_m = dot(solid.kind.touch((normal @ fit.rotation)[None], solid.half_m)[0], normal @ fit.rotation)
+    away_m = dot(points_m - fit.centre_m, normal)
+    assert (np.abs(away_m - reach_m) < 1e-4).mean() > 0.9  # but where lines meet a crease
+
+
+def test_a_box_faces_the_eye_with_its_sides() -> None:
+    fit = placed("box", (0.3, -0.2, 0.5))
+    sides = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]) @ fit.rotation.T
+    toward = sides[int((sides @ (EYE_M - fit.centre_m)).argmax())]
+    middle_m = fit.centre_m + toward * fit.size_m[2] / 2
+    np.testing.assert_allclose(facing(fit, EYE_M, (middle_m - EYE_M)[None])[0], toward, atol=1e-6)
