@@ -91,11 +91,11 @@ def test_what_is_no_mark_stays_an_object_and_what_one_view_alone_shows_is_none_i
     (marks, *_), blobs = marks_of(pair)
     assert blobs.others is not None
     others, unread = marks.told_from(blobs, Feature().similarity(RIG))
-    assert len(others.left) == len(others.right) == len(PARTS)
+    assert len(others.left) == len(others.right) == len(PARTS) and others.others is not None
     largest_px2 = max(blob.area_px2 for each in marks.pairs for blob in each)
     alone = [each.alone for each in unread if each.alone]
     assert alone and all(each.area_px2 <= largest_px2 for each in alone)
-    before, after = len(blobs.left) + len(blobs.others.left), len(others.left) + len(others.others.left)  # type: ignore[union-attr]
+    before, after = len(blobs.left) + len(blobs.others.left), len(others.left) + len(others.others.left)
     assert before - after == sum(each.left is not None for each in unread)
 
 
