@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -22,9 +24,11 @@ SOLIDS: dict[str, Solid] = {
     "lying prism": HexPrism(0.0, 0.03, hex_prism_size(0.04, 0.07), yaw_rad=2.0, lying=True),
     "sphere": Sphere(0.05, -0.02, (0.05, 0.05, 0.05)),
 }
+ASLANT: dict[str, Solid] = {f"{name} aslant": replace(solid, tilt_rad=0.4) for name, solid in SOLIDS.items()}
 _SHIFTS = ((0, 0, 0), (1e-6, 0, 0), (0, 1e-6, 1e-6))
 TABLE_T_LEFT = table().inverse()
 every_solid = pytest.mark.parametrize("solid", SOLIDS.values(), ids=list(SOLIDS))
+every_one = pytest.mark.parametrize("solid", [*SOLIDS.values(), *ASLANT.values()], ids=[*SOLIDS, *ASLANT])
 
 
 def rays_at(solid: Solid, count: int = 3000) -> tuple[Floats, Floats]:
@@ -34,14 +38,14 @@ def rays_at(solid: Solid, count: int = 3000) -> tuple[Floats, Floats]:
     return camera, aims - camera
 
 
-@every_solid
+@every_one
 def test_the_silhouette_is_that_of_the_projected_hull(solid: Solid) -> None:
     outline = PARALLEL.left.project(TABLE_T_LEFT.inverse().apply(solid.hull_m())).astype(np.float32)
     area = cv2.contourArea(cv2.convexHull(outline))
     assert silhouette_px(PARALLEL.left, solid, TABLE_T_LEFT) == pytest.approx(area, rel=0.01)
 
 
-@every_solid
+@every_one
 def test_normals_are_those_of_the_surface(solid: Solid) -> None:
     """Three rays close together span the surface's tangent plane."""
     camera, rays = rays_at(solid)
@@ -77,6 +81,15 @@ def test_after_its_period_it_looks_as_before(solid: Solid) -> None:
     turned = type(solid)(solid.x_m, solid.y_m, solid.size_m, solid.yaw_rad + period, lying=solid.lying)
     camera, rays = rays_at(solid)
     np.testing.assert_allclose(turned.hit(camera, rays).at, solid.hit(camera, rays).at, atol=1e-9)
+
+
+@every_solid
+def test_aslant_it_is_turned_about_its_level_axis_and_its_centre(solid: Solid) -> None:
+    c, s = np.cos(0.4), np.sin(0.4)
+    own = (solid.hull_m() - solid.centre_m) @ solid.axes @ np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])
+    tilted = replace(solid, tilt_rad=0.4)
+    np.testing.assert_allclose(tilted.hull_m(), own @ solid.axes.T + solid.centre_m, atol=1e-9)
+    assert tilted.axes[2, 1] == pytest.approx(0)
 
 
 def test_one_sees_through_a_tube() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from evaluate_surroundings import taken
-from rendering.printed import Board, Holes, Lines, Marker, Spot, Text
+from rendering.printed import Board, Holes, Lines, Marker, Slots, Spot, Text
 from rendering.tabletop import Paint
 from surroundings import SURROUNDINGS, staged
 
@@ -23,9 +23,10 @@ def printed(paint: Paint, albedo: float = 0.4) -> np.ndarray:
     [
         (Holes(0.025, 0.01, 0.3, 0.5), np.pi / 4 * (0.01 / 0.025) ** 2),
         (Lines(0.01, 0.001, 0.3, 2.0), 1 - 0.9**2),
+        (Slots(0.05, 0.012, 0.3, 0.5), 0.012 / 0.05),
         (Text(0.004, 0.3, 0.5, 0), 0.45 * 5 / 8),
     ],
-    ids=["holes", "lines", "text"],
+    ids=["holes", "lines", "slots", "text"],
 )
 def test_what_repeats_covers_its_share_of_the_table(paint: Paint, share: float) -> None:
     assert (printed(paint) != 0.4).mean() == pytest.approx(share, rel=0.1)
@@ -58,7 +59,7 @@ def test_a_spot_is_as_soft_as_it_is_asked_to_be(soft_m: float) -> None:
 def test_a_seed_makes_one_scene_with_its_parts_first(family: str) -> None:
     (scene, parts), (again, _) = staged(family, 0), staged(family, 0)
     assert scene.scene.solids == again.scene.solids and scene.noise_seed == again.noise_seed
-    assert 3 <= parts <= 6
+    assert 3 <= parts <= (20 if family == "crowd" else 6)
     assert all(part.base_m == 0 for part in scene.scene.solids[:parts])
 
 
@@ -67,3 +68,12 @@ def test_parts_alone_must_be_found() -> None:
     _, parts = staged("gripper", 0)
     assert 0 < sum(each.required for each in truth.objects) <= parts
     assert not any(each.required for each in truth.objects[parts:])
+
+
+@pytest.mark.parametrize("family", ["leaning", "propped"])
+def test_what_is_aslant_touches_the_table(family: str) -> None:
+    scene, parts = staged(family, 0)
+    slanted = [each for each in scene.scene.solids[parts:] if each.tilt_rad]
+    assert slanted
+    for each in slanted:
+        assert each.hull_m()[:, 2].min() == pytest.approx(0, abs=1e-9)

@@ -41,6 +41,20 @@ class Lines(Paint):
 
 
 @dataclass(frozen=True)
+class Slots(Paint):
+    """Bands side by side."""
+
+    pitch_m: float
+    width_m: float
+    yaw_rad: float
+    shade: float
+
+    def over(self, xy_m: Floats, albedo: Floats) -> Floats:
+        _, across = own(xy_m, 0, 0, self.yaw_rad)
+        return np.where(across % self.pitch_m < self.width_m, albedo * self.shade, albedo)
+
+
+@dataclass(frozen=True)
 class Board(Paint):
     """A chessboard of 10 x 7 squares with a white margin."""
 

@@ -28,7 +28,8 @@ class Solid(ABC):
     """A part that stands on the table at (x, y) [m] of the table's frame, whose z axis points up.
 
     size_m: along the part's own axes; lying: its own z axis lies along the yaw direction and its x axis points up;
-    texture, gloss: 0 for none, 1 for much; base_m: height of what it stands on.
+    texture, gloss: 0 for none, 1 for much; base_m: height of what it stands on; tilt_rad: it is turned so far about its
+    own y axis, which is level, around its centre.
     """
 
     x_m: float
@@ -40,6 +41,7 @@ class Solid(ABC):
     gloss: float = 0.0
     lying: bool = False
     base_m: float = 0.0
+    tilt_rad: float = 0.0
 
     @property
     def height_m(self) -> float:
@@ -65,9 +67,11 @@ class Solid(ABC):
     def axes(self) -> Floats:
         """The part's own axes, as columns, in the table's frame."""
         c, s = np.cos(self.yaw_rad), np.sin(self.yaw_rad)
-        if self.lying:
-            return np.array([[0, s, c], [0, -c, s], [1, 0, 0]])
-        return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        level = np.array([[0, s, c], [0, -c, s], [1, 0, 0]] if self.lying else [[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        if not self.tilt_rad:
+            return level
+        c, s = np.cos(self.tilt_rad), np.sin(self.tilt_rad)
+        return np.asarray(level @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]]))
 
     @property
     def yaw_period_rad(self) -> float:
