@@ -96,4 +96,5 @@ class Pipeline:
 
 
 def _none_of(blobs: Blobs, fault: str, detail: str = "") -> Correspondences:
-    return collect([], [Refusal(fault, blob.centroid_px, None, detail) for blob in blobs.sound()[0]])
+    asked = blobs.sound()[0] or blobs.left
+    return collect([], [Refusal(fault, blob.centroid_px, None, detail) for blob in asked])

@@ -51,17 +51,22 @@ def _is_misaligned(blobs: Blobs, rig: StereoRig) -> bool:
     or the bottom of an outline, each in its own way; a camera that has turned moves both, and those of all parts. So
     each part is asked for that end that fits better: at most half of the parts have one that fits (what hides a part
     hides it from one camera, not half of them from each), or those of several are off to one side. Outlines with
-    notches, prints among them, may outnumber the others: where most of those without fit, the rest does not count.
+    notches, prints among them, may outnumber the others: where most of those without fit, the rest does not count. Nor
+    do shadows, where what is bright fits.
     """
-    located = ([blob for blob in side if blob.fault in ("", "merged")] for side in (blobs.left, blobs.right))
-    asked = [(min(len(left), len(right)), left, right) for left, right in (blobs.sound(), tuple(located))]
-    fitting = [(possible, _fitting_px(left, right, rig)) for possible, left, right in asked if possible >= 2]
+    asked = ([_located(blobs.others)] if blobs.others else []) + [blobs.sound(), _located(blobs)]
+    fitting = [(min(map(len, sides)), _fitting_px(*sides, rig)) for sides in asked if min(map(len, sides)) >= 2]
     if not fitting:
         return False
     if all(2 * len(offsets_px) <= possible for possible, offsets_px in fitting):
         return True
     _, offsets_px = fitting[-1]
     return len(offsets_px) >= _SEVERAL and abs(float(np.median(offsets_px))) > Feature().epipolar_tolerance_px
+
+
+def _located(blobs: Blobs) -> tuple[list[Blob], list[Blob]]:
+    left, right = ([blob for blob in side if blob.fault in ("", "merged")] for side in (blobs.left, blobs.right))
+    return left, right
 
 
 def fitting_pairs(

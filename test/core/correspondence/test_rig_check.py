@@ -15,7 +15,7 @@ from rigs import RIGS, rotation
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.correspondence.rig_check import rig_fault
 from stereo_pick.core.frames import StereoFrame
-from stereo_pick.core.objects import Blob, Detector
+from stereo_pick.core.objects import Blob, Blobs, Detector
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.refusal import RIG_FAULTS
 from stereo_pick.core.rig import StereoRig
@@ -104,6 +104,20 @@ def test_prints_that_look_different_from_two_sides_do_not_outweigh_parts_that_fi
     assert rig_fault(seen(left + prints[:3], outlines_of[1][2:4] + others[:3]), PARALLEL) == "misaligned"
 
 
+SHADOWS: tuple[tuple[Ends, ...], ...] = (((60, 130), (200, 290)), ((75, 160), (215, 240)))
+
+
+def moved(which: int, by_px: float) -> Ends:
+    top, bottom = WHOLE[which]
+    return top + by_px, bottom + by_px
+
+
+def shadows() -> Blobs:
+    """Two, in which the views differ."""
+    sides = [[replace(outline(80 + 100 * i, ends), fault="merged") for i, ends in enumerate(side)] for side in SHADOWS]
+    return seen(*sides)
+
+
 @pytest.mark.parametrize("by_px", [-40.0, -8.0, -3.0, -2.0, 2.0, 3.0, 8.0, 40.0])
 def test_outlines_that_are_all_off_to_one_side_are(by_px: float) -> None:
     random = np.random.default_rng(1)
@@ -147,3 +161,13 @@ def test_an_outline_of_several_fits_each_of_them_in_the_other_view(fault: str, e
     left = [upright(80, 100, 60), replace(upright(300, 200, 260), fault=fault)]
     right = [upright(50, 100, 60), upright(270, 200, 40), upright(240, 262, 45), upright(280, 330, 50)]
     assert rig_fault(seen(left, right), PARALLEL) == expected
+
+
+@pytest.mark.parametrize(("by_px", "expected"), [(0.0, ""), (12.0, "misaligned")])
+def test_shadows_that_do_not_fit_are_no_sign_where_lit_parts_do(by_px: float, expected: str) -> None:
+    """What is in a shadow of one view is beside a part in the other, and none of it need fit."""
+    dark = [[replace(outline(80 + 100 * i, ends), fault="merged") for i, ends in enumerate(side)] for side in SHADOWS]
+    lit = seen(
+        [outline(80, WHOLE[0]), outline(280, WHOLE[2])], [outline(50, moved(0, by_px)), outline(250, moved(2, by_px))]
+    )
+    assert rig_fault(replace(seen(*dark), others=lit), PARALLEL) == expected
