@@ -136,7 +136,7 @@ class Feature(Method):
         if known is not None or self.table != FOUND:
             there = FoundTable(known, True) if known else None
             return self._collected(pair.rig, scene_on(reader, looks, there, self.edge_radius_m))
-        shaded = partial(shaded_tables, pair, blobs, self.disparities_px(pair.rig))
+        shaded = partial(shaded_tables, pair, self.disparities_px(pair.rig))
         return self._collected(pair.rig, scene_on_found_table(reader, looks, shaded, self.edge_radius_m))
 
     def _looks(self, reader: Reader, blobs: Blobs) -> FirstLooks:
@@ -159,7 +159,7 @@ class Feature(Method):
                 return self._collected(rig, scene_on(reader, looks, there, self.edge_radius_m), unread)
             below = common_table(looks.fits)
             if below is not None and marks.are_on_a_plate(below, rig):
-                shaded = partial(shaded_tables, reader.images.pair, others, self.disparities_px(rig))
+                shaded = partial(shaded_tables, reader.images.pair, self.disparities_px(rig))
                 return self._collected(rig, scene_on_found_table(reader, looks, shaded, self.edge_radius_m), unread)
         return None
 

@@ -11,6 +11,7 @@ from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_fla
 from stereo_pick.core.correspondence.on_table import OnTable, is_sure
 from stereo_pick.core.correspondence.patterned import near_outlines, patterned
 from stereo_pick.core.correspondence.position import BlobPair, Row
+from stereo_pick.core.objects import Blobs
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.below_faces import tables_below
@@ -25,8 +26,8 @@ _TRIED_ON_SHADED = 8  # outlines: a table that falls from the light is worth mor
 _LOOKED_AT = 2  # supposed tables, more thoroughly: that takes longer
 _LEAST = 2  # objects that must stand on a table before they say more about it
 
-Shaded = Callable[[], Sequence[Table]]
-"""What may be the table by what falls on it."""
+Shaded = Callable[[Blobs | None], Sequence[Table]]
+"""What may be the table by what is seen beside objects, or by all that is seen."""
 
 
 class FoundTable(NamedTuple):
@@ -40,15 +41,15 @@ class FoundTable(NamedTuple):
 class TableSearch:
     """images: the views; pairs: what in them may be the lit parts of the same objects, not found without a table;
     faces: thin solids that may be the lit tops of objects; flat_parts: whether parts may be as thin as a print;
-    shaded: what may be the table, of those that stand on it the likeliest first; by_outlines: whether the outlines of
-    objects may be what shows that."""
+    shaded: what may be the table, the likeliest first; bright: the objects beside which shadows are; None where the
+    outlines of objects may be what shows the table: what passes for a dark one may be a part and its shadow."""
 
     images: Images
     pairs: Sequence[BlobPair]
     faces: Sequence[tuple[BlobPair, SolidFit]]
     flat_parts: bool
     shaded: Shaded
-    by_outlines: bool
+    bright: Blobs | None
 
     def table(self, kept: Sequence[Row]) -> FoundTable | None:
         """The table that the objects found agree on, if need be once all their own edges have put them where they are;
@@ -128,8 +129,8 @@ class TableSearch:
         """The table that shadows show, if most objects stand on it, some of which may not be what they seem without it;
         one that was found without it among them, and no ball: these stand on any plane. Or that on which all edges show
         another object. None that an object is below, where outlines may say so: what hangs makes planes, too."""
-        tables = self.shaded()
-        if self.by_outlines:
+        tables = self.shaded(self.bright)
+        if self.bright is None:
             tables = [table for table in tables if all(table.height_m(fit.centre_m) > 0 for fit in fits)]
         for table in tables:
             if not any(stands_on(table, fit) for fit in fits if fit.kind != SPHERE.name):

@@ -17,7 +17,7 @@ from stereo_pick.core.correspondence.carried import as_predicted, carried
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.evident import Evident
 from stereo_pick.core.correspondence.left_over import Unread
-from stereo_pick.core.correspondence.located import convex_outlines, is_flat
+from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import clash, goes_on_as, is_where, reach_into_each_other
 from stereo_pick.core.correspondence.patterned import patterned
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
@@ -133,13 +133,19 @@ class LastLook:
         """The same of what was refused, if need be by the outline of one view, and where the table has it in the
         other."""
         if unread.left and unread.right:
-            return self.at((unread.left, unread.right), others)
+            return self.at((unread.left, unread.right), others, self._shown(unread.fit))
         blobs = carried(unread, self.images.rig, self.table)
         found = self.at(blobs, others) if blobs else None
         if found is None:
             return None
         (blobs, where), there = found
         return (as_predicted(unread, blobs, there.fit, self.images.rig), where), there
+
+    def _shown(self, fit: SolidFit | None) -> float:
+        """How much of its silhouette a body shows that what was refused was taken for; 0 of what may be a lit top."""
+        if fit is None or is_flat(fit, TOP):
+            return 0.0
+        return adjusted([fit], self.images.maps, self.images.rig, None)[0][0].shown
 
     @property
     def _evident(self) -> Evident:

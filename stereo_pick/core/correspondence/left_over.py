@@ -11,14 +11,17 @@ from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.refusal import Refusal
+from stereo_pick.core.shapes import SolidFit
 
 
 class Unread(NamedTuple):
-    """An object that is refused: a reason of `refusal.REASONS`, and its outlines in the views that show it."""
+    """An object that is refused: a reason of `refusal.REASONS`, its outlines in the views that show it, and the solid
+    that these were taken for, if it must not be that."""
 
     reason: str
     left: Blob | None
     right: Blob | None
+    fit: SolidFit | None = None
 
     @property
     def alone(self) -> Blob | None:

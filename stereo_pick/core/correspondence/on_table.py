@@ -103,7 +103,7 @@ class OnTable:
             return where
         if on_it is not None and on_it.is_exact:
             return by_supported(self.images.rig, on_it)
-        return replace(where, fit=None, reason="off_table")
+        return replace(where, reason="off_table")
 
     def _in_the_air(self, fits: Sequence[SolidFit | None]) -> list[Supported | None]:
         """The support of solids that need not stand on the table."""

@@ -99,8 +99,8 @@ class Reader:
             return None
         flat = [(blobs, where.fit) for blobs, where in first.lost if where.fit is not None and where.reason == "flat"]
         faces = [(blobs, fit) for blobs, fit in flat if max(blob.fading for blob in blobs) < _FADES]
-        by_outlines = first.blobs.may_be_shaded
-        search = TableSearch(self.images, self._lit_parts(first), faces, self.flat_parts, shaded, by_outlines)
+        bright = None if first.blobs.may_be_shaded else first.blobs
+        search = TableSearch(self.images, self._lit_parts(first), faces, self.flat_parts, shaded, bright)
         return search.table([*first.kept, *others])
 
     def read(self, first: FirstLook, table: Table | None) -> Reading:
@@ -110,7 +110,7 @@ class Reader:
             kept, off = OnTable(self.images, table, self.flat_parts).seen(kept, self._lit_parts(first))
             lost = lost + off
         lost = [row for row in lost if not _any_of(row[0], blobs_of(kept)) and _all_of(row[0], first.blobs)]
-        unread = [Unread(where.reason, *each) for each, where in lost]
+        unread = [Unread(where.reason, *each, where.fit) for each, where in lost]
         unread += [Unread("ambiguous", *each) for each in first.doubtful]
         unread += left_over(first.blobs, blobs_of(kept + lost) + first.unclear, self.similarity)
         return Reading(kept, unread, table)

@@ -14,7 +14,12 @@ from stereo_pick.core.correspondence.together import Together, adjusted_together
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.common_table import stands_on
+from stereo_pick.core.shapes.common_table import stands_on, supposed_tables, surely_on
+from stereo_pick.core.shapes.kinds import SPHERE
+
+_SUPPOSED = 2  # tables that single objects let suppose
+_SEVERAL = 2  # solids on a table that bear it out
+_SIGMAS = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +74,25 @@ class Scene:
             return False
         return not any(where.fit is not None and stands_on(table, where.fit) for _, where in self.together.kept)
 
+    @property
+    def solids(self) -> int:
+        """How many objects a solid explains."""
+        return sum(where.fit is not None for _, where in self.together.kept)
+
+    @property
+    def standing(self) -> list[SolidFit]:
+        """The solids that surely stand on the table; balls stand on any."""
+        table = self.together.table
+        fits = [where.fit for _, where in self.together.kept if where.fit is not None]
+        return [fit for fit in fits if fit.kind != SPHERE.name and surely_on(table, fit)] if table else []
+
+    def is_above(self, other: Scene) -> bool:
+        """Whether the table is one that something of the other scene goes through: walls have tops on a plane, too."""
+        table = self.together.table
+        return table is not None and any(
+            float(table.under(fit.solid)[0][0]) < -_SIGMAS * table.sigma_m for fit in other.standing
+        )
+
     def may_be_shaded(self, row: Row, rig: StereoRig) -> bool:
         """Whether what no solid explains may be an object and its shadow, as long as no table is known that would tell
         how far down it reaches: one that lies flat throws none."""
@@ -98,8 +122,26 @@ def scene_on_found_table(reader: Reader, looks: FirstLooks, shaded: Shaded, edge
     """
     there = reader.table(looks.first, looks.kept_besides, shaded)
     scene = scene_on(reader, looks, there, edge_radius_m)
-    if there is None or not scene.is_groundless:
+    if there is None:
+        return _scene_on_any(reader, looks, scene, shaded, edge_radius_m)
+    if not scene.is_groundless:
         return scene
     doubted = looks.not_on(there)
     there = reader.table(doubted.first, doubted.kept_besides, shaded)
     return scene_on(reader, doubted, there, edge_radius_m)
+
+
+def _scene_on_any(reader: Reader, looks: FirstLooks, scene: Scene, shaded: Shaded, edge_radius_m: float) -> Scene:
+    """The same scene on what may be its table by all that is seen, or as one of the objects stands, if several are
+    found there: where outlines are one with those of what lies there, no other way tells of it."""
+    if not scene.together.refused:
+        return scene
+    seen = [FoundTable(table, True) for table in shaded(None)]
+    supposed = [FoundTable(table, False) for table in supposed_tables(looks.fits)[:_SUPPOSED]]
+    for several in (seen, supposed):
+        scenes = [scene_on(reader, looks, there, edge_radius_m) for there in several]
+        likely = [each for each in scenes if not any(each.is_above(other) for other in scenes)]
+        best = max(likely, key=lambda each: len(each.standing), default=scene)
+        if len(best.standing) >= _SEVERAL and best.solids > scene.solids:
+            return best
+    return scene

@@ -45,16 +45,15 @@ _STEEP = np.sin(np.deg2rad(25))  # of the least angle at which a table is looked
 _MIRRORED_PX = 0.3  # what light and mirrors do to marks is no noise
 
 
-def shaded_tables(pair: RectifiedPair, blobs: Blobs, disparities_px: tuple[float, float]) -> list[Table]:
+def shaded_tables(pair: RectifiedPair, disparities_px: tuple[float, float], objects: Blobs | None) -> list[Table]:
     """The planes (rectified left frame) that the table may be, the likeliest first.
 
-    blobs: the objects, beside which shadows are looked for; but what passes for a dark one may be a part and its shadow
-    together, so where they are the dark ones all that shows edges is taken. disparities_px: the least and the greatest
-    of the view.
+    objects: beside which shadows are looked for; None where all that shows edges is taken. disparities_px: the least
+    and the greatest of the view.
     """
     scale = reduction(pair.left)
     left, right = uneven(pair.left, pair.rig.left, scale), uneven(pair.right, pair.rig.right, scale)
-    windows = _seen(pair, (left, right), blobs, scale, (scale * disparities_px[0], scale * disparities_px[1]))
+    windows = _seen(pair, (left, right), objects, scale, (scale * disparities_px[0], scale * disparities_px[1]))
     found = []
     for plane, agree in _planes(windows, pair.rig, scale):
         better = aligned(left, right, plane, windows.those(agree), GRID)
@@ -64,17 +63,17 @@ def shaded_tables(pair: RectifiedPair, blobs: Blobs, disparities_px: tuple[float
 
 
 def _seen(
-    pair: RectifiedPair, views: tuple[Grey, Grey], blobs: Blobs, scale: float, reach_px: tuple[float, float]
+    pair: RectifiedPair, views: tuple[Grey, Grey], objects: Blobs | None, scale: float, reach_px: tuple[float, float]
 ) -> Windows:
-    """The windows that show edges, found in the other view; clear of bright objects in both."""
+    """The windows that show edges, found in the other view; clear of the objects in both."""
     left, right = views
     usable = shows_edges(pair, left, scale)
-    if not blobs.may_be_shaded:
-        usable &= clear_of_objects(left, blobs.left, scale, _WIDE_PX, _HIGH_PX)
+    if objects is not None:
+        usable &= clear_of_objects(left, objects.left, scale, _WIDE_PX, _HIGH_PX)
     windows = matches(left, right, on_grid(usable, *GRID), (_WIDE_PX, _HIGH_PX), reach_px)
-    if blobs.may_be_shaded:
+    if objects is None:
         return windows
-    clear = clear_of_objects(right, blobs.right, scale, _WIDE_PX, _HIGH_PX)
+    clear = clear_of_objects(right, objects.right, scale, _WIDE_PX, _HIGH_PX)
     columns = np.round(windows.centre_px[:, 0] - windows.disparity_px).astype(int)
     return windows.those(clear[windows.centre_px[:, 1].astype(int), np.clip(columns, 0, clear.shape[1] - 1)])
 

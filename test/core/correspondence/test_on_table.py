@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from families import staged
+from grain_on_planes import NO_OBJECTS
 from marks import first_of
 from rendering import Box, Cylinder, Scene, Sphere, render
 from rendering.rigs import table_before
@@ -147,7 +148,9 @@ def test_a_ball_and_its_own_cap_are_not_two_that_stand_on_a_table(turned_deg: fl
     ball = SolidFit("sphere", centre_m, np.eye(3), np.full(3, 0.04), 0.1, np.eye(3) * 1e-8)
     row = seen, by_solid(RIG, ball, shown=1.0)
     assert (
-        TableSearch(Images(pair), [seen], [(seen, cap)], flat_parts=False, shaded=list, by_outlines=False).table([row])
+        TableSearch(
+            Images(pair), [seen], [(seen, cap)], flat_parts=False, shaded=lambda _: [], bright=NO_OBJECTS
+        ).table([row])
         is None
     )
 

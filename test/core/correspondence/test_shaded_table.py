@@ -22,7 +22,7 @@ RIG = RIGS["thesis"]
 
 
 def tables(pair: RectifiedPair) -> list[Table]:
-    return shaded_tables(pair, NO_OBJECTS, Feature().disparities_px(pair.rig))
+    return shaded_tables(pair, Feature().disparities_px(pair.rig), NO_OBJECTS)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -30,7 +30,7 @@ def test_shadows_of_bright_parts_show_the_table(seed: int) -> None:
     scene = staged("side_light", seed)
     frame, truth = scene.taken()
     pair = Rectifier(scene.rig).rectify(frame)
-    first = shaded_tables(pair, Detector().detect(pair), Feature().disparities_px(scene.rig))[0]
+    first = shaded_tables(pair, Feature().disparities_px(scene.rig), Detector().detect(pair))[0]
     on_it = np.array([[x, y, 0.0] for x in (-0.1, 0.1) for y in (-0.1, 0.1)])
     height_m = first.height_m(truth.left_T_table.apply(on_it) @ scene.rig.left.R.T)
     assert np.abs(height_m).max() < (3e-3 if seed == 4 else 1.5e-3)
@@ -42,7 +42,7 @@ def test_shadows_within_the_outlines_of_dark_parts_show_the_table(family: str, s
     scene = staged(family, seed)
     frame, truth = scene.taken()
     pair = Rectifier(scene.rig).rectify(frame)
-    first = shaded_tables(pair, Detector().detect(pair), Feature().disparities_px(scene.rig))[0]
+    first = shaded_tables(pair, Feature().disparities_px(scene.rig), None)[0]
     on_it = np.array([[x, y, 0.0] for x in (-0.1, 0.1) for y in (-0.1, 0.1)])
     height_m = first.height_m(truth.left_T_table.apply(on_it) @ scene.rig.left.R.T)
     assert np.abs(height_m).max() < 3e-3
