@@ -16,7 +16,7 @@ from stereo_pick.core.correspondence.found_table import FoundTable
 from stereo_pick.core.correspondence.given_table import misplaced_m
 from stereo_pick.core.correspondence.grain import grained_table
 from stereo_pick.core.correspondence.left_over import Unread
-from stereo_pick.core.correspondence.marks import marks_among
+from stereo_pick.core.correspondence.marks import marks_among, more_marks
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.prints import prints_among
@@ -166,6 +166,7 @@ class Feature(Method):
     def _collected(self, rig: StereoRig, scene: Scene, marks: Sequence[Unread] = ()) -> Correspondences:
         together, table = scene.together, scene.together.table
         prints = [] if self.flat_parts else prints_among(together.kept, rig, table, scene.is_known)
+        prints += [row for row in more_marks(together.kept, marks) if row not in prints]
         objects = [row for row in together.kept if row not in prints]
         normal = table.normal if table else common_normal([where.fit for _, where in objects])
         is_choosy = self.assignment == "global"  # the thesis takes what comes

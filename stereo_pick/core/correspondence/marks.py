@@ -15,7 +15,7 @@ from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.one_plane import FLAT_PX, Sides, plane_of
 from stereo_pick.core.correspondence.plane_alignment import Alignment, aligned
-from stereo_pick.core.correspondence.position import BlobPair
+from stereo_pick.core.correspondence.position import BlobPair, Row
 from stereo_pick.core.correspondence.shaded_table import GRID, shows_edges
 from stereo_pick.core.correspondence.similarity import Similarity
 from stereo_pick.core.correspondence.table_windows import Windows, clear_of_objects, on_grid, reduction, uneven
@@ -100,6 +100,12 @@ def marks_among(blobs: Blobs, pair: RectifiedPair, similarity: Similarity) -> It
         if better is not None and better.sigma_m < marks.table.sigma_m:
             marks = replace(marks, table=better)
         yield replace(marks, pairs=[*marks.pairs, *_on_it(marks.table, marks.others(blobs), pair.rig)])
+
+
+def more_marks(rows: Sequence[Row], marks: Sequence[Unread]) -> list[Row]:
+    """Those of what no solid explains that are no larger than the largest of marks."""
+    most_px2 = max((blob.area_px2 for each in marks for blob in (each.left, each.right) if blob), default=0.0)
+    return [row for row in rows if row[1].fit is None and all(blob.area_px2 <= most_px2 for blob in row[0])]
 
 
 def _possible(blobs: Blobs, similarity: Similarity) -> list[BlobPair]:
