@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from family_scenes import found
 from marks import first_of, more
-from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified, solid_of
-from rendering import Scene, Solid
+from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified, solid_of, true_fit
+from rendering import Cylinder, Scene, Solid
 
 from stereo_pick.core.correspondence import evident, last_look
 from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
@@ -205,3 +205,17 @@ def test_what_is_printed_on_planks_is_looked_for_and_not_found(monkeypatch: pyte
     monkeypatch.setattr(LastLook, "at_refused", noted)
     result = found("planks_and_prints", 7)
     assert len(looks) >= 3 and result.wrong == 0 and len(result.ghosts_m) == 0
+
+
+@pytest.mark.parametrize("base_m", [0.05, 0.06])
+def test_a_body_seen_above_the_table_is_not_one_that_reaches_down_to_it(base_m: float) -> None:
+    """Half of its silhouette is that of a longer one, too; a lit top says nothing against that."""
+    part = Cylinder(0.0, 0.0, (0.04, 0.04, 0.055), base_m=base_m)
+    images, blobs, scene = lone(part)
+    look, body = LastLook(images, TABLE, [], []), true_fit(RIG, scene, part)
+    cap = replace(body, size_m=np.array([0.04, 0.04, 0.005]))
+    assert look.at_refused(Unread("off_table", *blobs, body), []) is None
+    for taken_for in (cap, None):
+        longer = look.at_refused(Unread("off_table", *blobs, taken_for), [])
+        assert longer is not None
+        np.testing.assert_allclose(longer[1].fit.size_m, (0.04, 0.04, base_m + 0.055), atol=5e-4)

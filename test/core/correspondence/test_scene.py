@@ -52,8 +52,8 @@ def test_parts_are_found_whose_outlines_are_one_with_what_lies_or_stands_there(
     assert result.required - len(result.missed) >= found and result.wrong == 0
 
 
-@pytest.mark.parametrize(("seed", "found"), [(3, 3)])
-def test_what_stands_on_a_higher_table_does_not_reach_down_to_the_lower_one(seed: int, found: int) -> None:
-    """Half of its silhouette is that of a longer one, too, that stands on the lower one: that was 29 mm off."""
-    result = scored(None, ("terrace", seed))
-    assert result.required - len(result.missed) >= found and result.wrong == 0
+@more
+def test_what_stands_on_a_higher_table_does_not_reach_down_to_the_lower_one() -> None:
+    """It was 29 mm off; the law itself: `test_last_look.py`."""
+    result = scored(None, ("terrace", 3))
+    assert len(result.missed) == 0 and result.wrong == 0
