@@ -125,7 +125,7 @@ def dividers(random: Random) -> Surrounded:
 
 
 def belt(random: Random) -> Surrounded:
-    """A dark belt between two rails, with the floor far below beside them."""
+    """A dark belt between two rails, and a floor of another grey beside them."""
     name, table = with_mixed(random, count=PARTS)
     turn, albedo = drawn(random, -0.3, 0.3), drawn(random, 0.3, 0.7)
     along, across = towards(turn), towards(turn + np.pi / 2)

@@ -145,7 +145,7 @@ class LastLook:
         """How much of its silhouette a body shows that what was refused was taken for; 0 of what may be a lit top."""
         if fit is None or is_flat(fit, TOP):
             return 0.0
-        return adjusted([fit], self.images.maps, self.images.rig, None)[0][0].shown
+        return adjusted([fit], self.images.maps, self.images.rig, None, before=self.before)[0][0].shown
 
     @property
     def _evident(self) -> Evident:

@@ -18,6 +18,9 @@ from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.rig import StereoRig
 
+Sides = tuple[list[Blob], list[Blob]]
+"""Outlines in the left and in the right view."""
+
 _CONVINCING_COST = 0.1  # on the scale of `Similarity.costs`, where 1 is barely possible
 _CLEARLY_WORSE = 4.0
 _SAME_PART = 3.0  # factor of the areas of one part where a view shows only half of it, or its shadow or neighbour too
@@ -52,21 +55,29 @@ def _is_misaligned(blobs: Blobs, rig: StereoRig) -> bool:
     each part is asked for that end that fits better: at most half of the parts have one that fits (what hides a part
     hides it from one camera, not half of them from each), or those of several are off to one side. Outlines with
     notches, prints among them, may outnumber the others: where most of those without fit, the rest does not count. Nor
-    do shadows, where what is bright fits.
+    does any of it where most of the other polarity fits: shadows may differ where lit parts do not.
     """
-    asked = ([_located(blobs.others)] if blobs.others else []) + [blobs.sound(), _located(blobs)]
-    fitting = [(min(map(len, sides)), _fitting_px(*sides, rig)) for sides in asked if min(map(len, sides)) >= 2]
-    if not fitting:
+    asked = [sides for sides in (blobs.sound(), _located(blobs)) if _are_several(sides)]
+    if not asked:
         return False
-    if all(2 * len(offsets_px) <= possible for possible, offsets_px in fitting):
-        return True
-    _, offsets_px = fitting[-1]
+    if not any(_most_fit(sides, rig) for sides in asked):
+        others = _located(blobs.others) if blobs.others else ([], [])
+        return not (_are_several(others) and _most_fit(others, rig))
+    offsets_px = _fitting_px(*asked[-1], rig)
     return len(offsets_px) >= _SEVERAL and abs(float(np.median(offsets_px))) > Feature().epipolar_tolerance_px
 
 
-def _located(blobs: Blobs) -> tuple[list[Blob], list[Blob]]:
+def _located(blobs: Blobs) -> Sides:
     left, right = ([blob for blob in side if blob.fault in ("", "merged")] for side in (blobs.left, blobs.right))
     return left, right
+
+
+def _are_several(sides: Sides) -> bool:
+    return min(map(len, sides)) >= 2
+
+
+def _most_fit(sides: Sides, rig: StereoRig) -> bool:
+    return 2 * len(_fitting_px(*sides, rig)) > min(map(len, sides))
 
 
 def fitting_pairs(

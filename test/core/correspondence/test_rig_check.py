@@ -14,8 +14,9 @@ from rigs import RIGS, rotation
 
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.correspondence.rig_check import rig_fault
-from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.frames import RectifiedPair, StereoFrame
 from stereo_pick.core.objects import Blob, Blobs, Detector
+from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.refusal import RIG_FAULTS
 from stereo_pick.core.rig import StereoRig
@@ -166,8 +167,19 @@ def test_an_outline_of_several_fits_each_of_them_in_the_other_view(fault: str, e
 @pytest.mark.parametrize(("by_px", "expected"), [(0.0, ""), (12.0, "misaligned")])
 def test_shadows_that_do_not_fit_are_no_sign_where_lit_parts_do(by_px: float, expected: str) -> None:
     """What is in a shadow of one view is beside a part in the other, and none of it need fit."""
-    dark = [[replace(outline(80 + 100 * i, ends), fault="merged") for i, ends in enumerate(side)] for side in SHADOWS]
-    lit = seen(
-        [outline(80, WHOLE[0]), outline(280, WHOLE[2])], [outline(50, moved(0, by_px)), outline(250, moved(2, by_px))]
-    )
-    assert rig_fault(replace(seen(*dark), others=lit), PARALLEL) == expected
+    left = [outline(80, WHOLE[0]), outline(280, WHOLE[2])]
+    right = [outline(50, moved(0, by_px)), outline(250, moved(2, by_px))]
+    assert rig_fault(replace(shadows(), others=seen(left, right)), PARALLEL) == expected
+
+
+def test_shadows_that_do_not_fit_accuse_nobody_beside_one_lit_part() -> None:
+    alone = seen([outline(80, WHOLE[0])], [outline(50, WHOLE[0])])
+    assert rig_fault(shadows(), PARALLEL) == "misaligned"
+    assert rig_fault(replace(alone, others=shadows()), PARALLEL) == ""
+
+
+def test_a_fault_of_the_rig_is_told_where_all_outlines_have_notches() -> None:
+    """Nothing was refused, and nothing found."""
+    black = np.zeros(PARALLEL.left.frame_size[::-1], np.uint8)
+    found = Steps().matched(RectifiedPair(black, black, PARALLEL), shadows())
+    assert len(found) == 0 and [each.reason for each in found.refused] == ["misaligned"] * 2
