@@ -28,6 +28,7 @@ from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.consensus import solids_around
+from stereo_pick.core.shapes.ending import ended
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
@@ -72,7 +73,7 @@ class LastLook:
         self, candidates: Sequence[Solids], blobs: BlobPair, others: Sequence[SolidFit], shown: float
     ) -> Seen | None:
         """The same of these candidates."""
-        free = self._free_ones(nearly(self.images, candidates, self.table), others)
+        free = self._with_ended(self._free_ones(nearly(self.images, candidates, self.table), others), others)
         clear = self._clear_ones(blobs, free, shown) or self._clear_by_pattern(blobs, candidates, others, free, shown)
         return self._best_of(blobs, others, free, clear, shown)
 
@@ -162,12 +163,20 @@ class LastLook:
         for each in candidates:
             if len(found) == _LOOKED_AT:
                 break
-            if any(each.fit.kind == other.fit.kind and agree(each.fit, other.fit) for other, _ in found):
+            if _is_among(found, each):
                 continue
             there = self._free(each, others)
             if there is not None:
                 found.append((each, there))
         return found
+
+    def _with_ended(self, free: Sequence[Found], others: Sequence[SolidFit]) -> list[Found]:
+        """The same, and those that end where a rim shows instead of any of theirs."""
+        rimless = [there.fit.solid for _, there in free if there.has_creases and not there.is_creased]
+        images, table = self.images, self.table
+        several = [each for solid in rimless for each in ended(solid, images.maps, images.rig, table, images.occluders)]
+        more = self._free_ones(nearly(images, several, table), others)
+        return [*free, *(each for each in more if not _is_among(free, each[0]))]
 
     def _free(self, found: Supported, others: Sequence[SolidFit]) -> Adjusted | None:
         """Where all its edges put a solid, if it is no sheet and no other is there."""
@@ -189,6 +198,11 @@ class LastLook:
         reach_px = _REACH * max(blob.rectangle[0] for blob in blobs)
         places_px = [blob.centroid_px for blob in blobs]
         return solids_around(images.maps, images.rig, self.table, places_px, reach_px, known.cover if known else None)
+
+
+def _is_among(several: Sequence[Found], found: Supported) -> bool:
+    """Whether one of several solids is the same one."""
+    return any(found.fit.kind == other.fit.kind and agree(found.fit, other.fit) for other, _ in several)
 
 
 def _is_as_likely(another: Adjusted, found: Adjusted) -> bool:

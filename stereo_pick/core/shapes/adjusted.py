@@ -8,7 +8,7 @@ from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _ASTRAY_PX = 0.3  # from its edges
-_MOST_CREASES = 2 / 3  # of its creases
+MOST_CREASES = 2 / 3  # of its creases
 MOST_SHOWN = 3 / 4  # of its silhouette, for what shows no creases
 
 
@@ -32,7 +32,7 @@ class Adjusted:
     @property
     def is_creased(self) -> bool:
         """Whether most of its creases show, so that it is hardly anything else."""
-        return self.creased >= _MOST_CREASES
+        return self.creased >= MOST_CREASES
 
     @property
     def shows_creases(self) -> bool:

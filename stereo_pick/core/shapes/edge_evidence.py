@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from stereo_pick.core.shapes.edge_rows import CreaseRows, EdgeRows
 from stereo_pick.core.shapes.kinds import cross, dot
 from stereo_pick.core.shapes.locking import ON_EDGE_PX, Beside, edges_beside, trust
 from stereo_pick.core.shapes.nearest import nearest_tangents
-from stereo_pick.core.shapes.occluders import Hide, share_seen
+from stereo_pick.core.shapes.occluders import Hide, Occluders, share_seen
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.refinement import robust_scale
 from stereo_pick.core.shapes.residuals import residuals
@@ -97,6 +98,16 @@ def edges_seen(
         outer, inner = _silhouettes(solids, beside, rig), _creases(solids, at, views, rig, hide)
         found.append(_seen(outer.turned(turn_rad), inner.turned(turn_rad), beside.hidden, views[0].is_exact))
     return found
+
+
+def creases_shown(
+    solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, occluders: Occluders | None = None
+) -> Floats:
+    """The part (S,) of the creases of solids that lies on edges, the least of both views; 0 where a view has none."""
+    hide = partial(occluders.hide, solids) if occluders else _hide_nothing
+    corners = silhouettes(solids, rig.eyes_m)
+    sides = [_creases_in(solids, corners[:, i], rig.eyes_m[i], view, i, hide) for i, view in enumerate(views)]
+    return np.asarray(np.min([np.where(each.there.any(axis=1), each.shown(), 0.0) for each in sides], axis=0))
 
 
 def _hide_nothing(places: Floats, view: int) -> Bools:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from family_scenes import found
 from marks import first_of, more
-from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified, solid_of, true_fit
+from rendered_solids import FROM_ABOVE, PARTS, PLACED, RIG, centre_m, rectified, solid_of, true_fit
 from rendering import Cylinder, Scene, Solid
 
 from stereo_pick.core.correspondence import evident, last_look
@@ -20,6 +20,7 @@ from stereo_pick.core.correspondence.position import BlobPair, Located
 from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.growing import stretched_by
 from stereo_pick.core.shapes.hypotheses import Images, Supported
 from stereo_pick.core.shapes.table import Table
 
@@ -76,9 +77,9 @@ def test_what_shows_nearly_all_of_its_silhouette_is_not_replaced_by_what_shows_l
     assert len(result.missed) == 0 and max(each.distance_m for each in result.found) < 1e-3
 
 
-def lone(part: Solid) -> tuple[Images, BlobPair, Scene]:
+def lone(part: Solid, **light: Any) -> tuple[Images, BlobPair, Scene]:
     """The views of a lone part, and its outlines."""
-    scene = Scene((part,), PLACED, ambient=0.5)
+    scene = Scene((part,), PLACED, **(light or {"ambient": 0.5}))
     pair = rectified(RIG, scene)
     blobs, _ = Steps().correspond(pair)
     return Images(pair), (blobs.left[0], blobs.right[0]), scene
@@ -104,6 +105,21 @@ def test_a_part_is_found_once_and_only_where_no_other_is(part: Solid) -> None:
     elsewhere = replace(without_solid, left_px=where.left_px + 80)
     assert at(images, blobs, [elsewhere], []) is not None
     assert at(images, blobs, [], [], shown=1.1) is None
+
+
+@pytest.mark.parametrize("by", [-0.4, 0.1])
+def test_a_cylinder_of_which_the_rim_shows_ends_there(monkeypatch: pytest.MonkeyPatch, by: float) -> None:
+    """All that is hinted at ends elsewhere: in the shadow of the end, or in its own."""
+    part = Cylinder(0.0, 0.0, (0.03, 0.03, 0.06), yaw_rad=1.2, lying=True)
+    images, blobs, scene = lone(part, lamps=(FROM_ABOVE,), ambient=0.3)
+    wrong = stretched_by(solid_of(RIG, scene, part), [(2, -1.0)], np.array([by * part.size_m[2]]))
+    monkeypatch.setattr(last_look, "standing_candidates", lambda *_: [wrong.turning_about(TABLE.normal)])
+    monkeypatch.setattr(last_look, "solids_around", lambda *_: [])
+    seen = at(images, blobs, [], [])
+    assert seen is not None
+    np.testing.assert_allclose(seen[1].fit.centre_m, centre_m(RIG, scene, part), atol=5e-4)
+    monkeypatch.setattr(last_look, "ended", lambda *_: [])
+    assert at(images, blobs, [], []) is None
 
 
 def test_where_it_is_open_which_of_two_it_is_neither_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
