@@ -30,9 +30,10 @@ from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.consensus import solids_around
 from stereo_pick.core.shapes.ending import ended
 from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
+from stereo_pick.core.shapes.shortening import shortened
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
-from stereo_pick.core.shapes.standing import agree, nearly, no_surer_than_rivals, standing_candidates
+from stereo_pick.core.shapes.standing import agree, exactly, nearly, no_surer_than_rivals, standing_candidates
 from stereo_pick.core.shapes.table import Table
 
 # Of which an object may be found yet
@@ -41,6 +42,7 @@ _REASONS_ALONE = ("left_only", "right_only", "merged")  # ... of which one view 
 MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 8  # solids for each object
+_ABOVE = 1 / 4  # of its height, that no shadow at its foot hides
 
 Seen = tuple[Row, Adjusted]
 Found = tuple[Supported, Adjusted]
@@ -128,7 +130,22 @@ class LastLook:
             else:
                 first, there = longer, beyond
         best = no_surer_than_rivals(first, rivals)
-        return None if best is None else ((blobs, by_supported(self.images.rig, best)), there)
+        if best is None or self._ends_above(there):
+            return None
+        return (blobs, by_supported(self.images.rig, best)), there
+
+    def _ends_above(self, found: Adjusted) -> bool:
+        """Whether a body shows clearly more of itself that is a piece of this one and ends well above the table: it
+        stands on something else. Of what its lit top alone shows clearly, so does that."""
+        images = self.images
+        least_m = _ABOVE * (found.fit.reach_m(self.table.normal) + found.fit.reach_m(-self.table.normal))
+        for each in exactly(images, shortened(found.fit.solid, images.eyes_m, images.maps, None), None):
+            there = adjusted([each.fit], images.maps, images.rig, None, before=self.before)[0][0]
+            if is_flat(there.fit) or not there.is_clear or there.shown <= found.shown + CHANCE:
+                continue
+            if float(self.table.under(there.fit.solid)[0][0]) > least_m:
+                return True
+        return False
 
     def at_refused(self, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
         """The same of what was refused, if need be by the outline of one view, and where the table has it in the

@@ -22,6 +22,8 @@ from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.growing import stretched_by
 from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.standing import down_to
 from stereo_pick.core.shapes.table import Table
 
 NORMAL = RIG.left.R @ PLACED.rotation[:, 2]
@@ -122,12 +124,35 @@ def test_a_cylinder_of_which_the_rim_shows_ends_there(monkeypatch: pytest.Monkey
     assert at(images, blobs, [], []) is None
 
 
+def believed(solid: Solids) -> Supported:
+    size_m, covariance = solid.size_m()[0], 1e-9 * np.eye(3)
+    fit = SolidFit(solid.kind.name, solid.centre_m[0], solid.rotation[0], size_m, 0.05, covariance)
+    return Supported(fit, 0.9, 0.05, believable=True)
+
+
+@pytest.mark.parametrize("name", ["standing", "box"])
+def test_what_ends_above_the_table_does_not_reach_down_to_it(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """It stands on something else, as a part on a box does; its foot shows where it is."""
+    images, blobs, scene = lone(PARTS[name])
+    true = solid_of(RIG, scene, PARTS[name])
+    below = replace(TABLE, offset_m=TABLE.offset_m + 0.02)
+    longer = down_to(true, below)
+    assert longer is not None
+    upright, reaching = believed(true), believed(longer)
+    monkeypatch.setattr(last_look, "nearly", lambda *_: [reaching])
+    assert LastLook(images, below, [], []).at(blobs, []) is None
+    monkeypatch.setattr(last_look, "shortened", lambda *_: [])
+    assert LastLook(images, below, [], []).at(blobs, []) is not None
+    monkeypatch.undo()
+    monkeypatch.setattr(last_look, "nearly", lambda *_: [upright])
+    assert LastLook(images, TABLE, [], []).at(blobs, []) is not None
+
+
 def test_where_it_is_open_which_of_two_it_is_neither_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     images, blobs, _ = lone(PARTS["box"])
     other = PARTS["box"].__class__(0.065, 0.0, (0.05, 0.036, 0.045), yaw_rad=0.4)
     there = [solid_of(RIG, Scene((part,), PLACED), part) for part in (PARTS["box"], other)]
-    fits = [SolidFit("box", s.centre_m[0], s.rotation[0], s.size_m()[0], 0.05, 1e-9 * np.eye(3)) for s in there]
-    alike = [Supported(fit, 0.9, 0.05, believable=True) for fit in fits]
+    alike = [believed(solid) for solid in there]
     monkeypatch.setattr(last_look, "nearly", lambda *_: alike)
     monkeypatch.setattr(last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], 0.9, 1.0, True, 0.0)], TABLE))
     assert at(images, blobs, [], []) is None
