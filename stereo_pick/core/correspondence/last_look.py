@@ -135,8 +135,8 @@ class LastLook:
         return (blobs, by_supported(self.images.rig, best)), there
 
     def _ends_above(self, found: Adjusted) -> bool:
-        """Whether a body shows clearly more of itself that is a piece of this one and ends well above the table: it
-        stands on something else. Of what its lit top alone shows clearly, so does that."""
+        """Whether a piece of a solid shows clearly more of itself, and ends well above the table: so it stands on
+        something else. But the lit top of what stands on the table shows clearly, too."""
         images = self.images
         least_m = _ABOVE * (found.fit.reach_m(self.table.normal) + found.fit.reach_m(-self.table.normal))
         for each in exactly(images, shortened(found.fit.solid, images.eyes_m, images.maps, None), None):
