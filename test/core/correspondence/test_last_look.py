@@ -172,6 +172,7 @@ def test_what_shows_its_creases_is_taken_before_what_shows_more_of_its_silhouett
     several = [Supported(each, 0.9, 0.05, believable=True) for each in (longer, fit)]
     shows = {longer: (0.82, 0.6), fit: (0.75, 0.9)}
     monkeypatch.setattr(last_look, "nearly", lambda *_: several)
+    monkeypatch.setattr(last_look, "shortened", lambda *_: [])
     monkeypatch.setattr(
         last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], *shows[fits[0]], True, 0.0)], TABLE)
     )
@@ -249,12 +250,18 @@ def test_what_is_printed_on_planks_is_looked_for_and_not_found(monkeypatch: pyte
 
 
 @pytest.mark.parametrize("base_m", [0.05, 0.06])
-def test_a_body_seen_above_the_table_is_not_one_that_reaches_down_to_it(base_m: float) -> None:
-    """Half of its silhouette is that of a longer one, too; a lit top says nothing against that."""
+def test_a_body_seen_above_the_table_is_not_one_that_reaches_down_to_it(
+    monkeypatch: pytest.MonkeyPatch, base_m: float
+) -> None:
+    """Half of its silhouette is that of a longer one, too; a lit top says nothing against that, but a body that ends
+    above the table does, whatever it was taken for."""
     part = Cylinder(0.0, 0.0, (0.04, 0.04, 0.055), base_m=base_m)
     images, blobs, scene = lone(part)
     look, body = LastLook(images, TABLE, [], []), true_fit(RIG, scene, part)
     cap = replace(body, size_m=np.array([0.04, 0.04, 0.005]))
+    for taken_for in (body, cap, None):
+        assert look.at_refused(Unread("off_table", *blobs, taken_for), []) is None
+    monkeypatch.setattr(last_look, "shortened", lambda *_: [])
     assert look.at_refused(Unread("off_table", *blobs, body), []) is None
     for taken_for in (cap, None):
         longer = look.at_refused(Unread("off_table", *blobs, taken_for), [])
