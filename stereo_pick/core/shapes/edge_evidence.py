@@ -106,7 +106,7 @@ def creases_shown(
     """The part (S,) of the creases of solids that lies on edges, the least of both views; 0 where a view has none."""
     hide = partial(occluders.hide, solids) if occluders else _hide_nothing
     corners = silhouettes(solids, rig.eyes_m)
-    sides = [_creases_in(solids, corners[:, i], rig.eyes_m[i], view, i, hide) for i, view in enumerate(views)]
+    sides = _creases_in_each(solids, corners, views, rig, hide)
     return np.asarray(np.min([np.where(each.there.any(axis=1), each.shown(), 0.0) for each in sides], axis=0))
 
 
@@ -168,10 +168,16 @@ def _turning_px(points: Floats, normals: Floats, focal_px: float) -> Floats:
 
 
 def _creases(solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig, hide: Hide) -> CreaseRows:
-    sides = [_creases_in(solids, corners[:, i], rig.eyes_m[i], view, i, hide) for i, view in enumerate(views)]
+    sides = _creases_in_each(solids, corners, views, rig, hide)
     rows = EdgeRows(*(np.concatenate(each, axis=1) for each in zip(*(side.rows for side in sides))))
     slides, there, hidden = (np.concatenate(each, axis=1) for each in zip(*(side[1:] for side in sides)))
     return CreaseRows(rows, slides, there, hidden)
+
+
+def _creases_in_each(
+    solids: Solids, corners: Floats, views: Sequence[EdgeMap], rig: StereoRig, hide: Hide
+) -> list[CreaseRows]:
+    return [_creases_in(solids, corners[:, i], rig.eyes_m[i], view, i, hide) for i, view in enumerate(views)]
 
 
 def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, side: int, hide: Hide) -> CreaseRows:

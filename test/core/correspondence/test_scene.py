@@ -43,12 +43,11 @@ def test_a_table_that_parts_go_through_is_above_theirs(height_m: float, is_above
     assert not scene_on(height_m).is_above(scene_on(0.0, "sphere"))
 
 
-@pytest.mark.parametrize(("family", "seed", "found"), [("sheet", 3, 3), pytest.param("belt", 0, 3, marks=more)])
+@pytest.mark.parametrize(("family", "seed", "found"), [("sheet", 3, 5), pytest.param("belt", 0, 3, marks=more)])
 def test_parts_are_found_whose_outlines_are_one_with_what_lies_or_stands_there(
     family: str, seed: int, found: int
 ) -> None:
-    """Sheets of paper and rails: no table was known, and of four or five parts none, and one, were found. Two more of
-    `sheet` 3 are found or not as machines round, and with a grey level of noise more or less."""
+    """Sheets of paper and rails: no table was known."""
     result = scored(None, (family, seed))
     assert result.required - len(result.missed) >= found and result.wrong == 0
 
