@@ -69,7 +69,8 @@ class LastLook:
 
     def at_risen(self, risen: Risen, others: Sequence[SolidFit]) -> Seen | None:
         """The same of what rises from the table."""
-        return self._among(risen.solids(self.images.rig, self.table), risen.blobs, others, 0.0)
+        candidates = risen.solids(self.images.rig, self.table) + self._around(risen.blobs)
+        return self._among(candidates, risen.blobs, others, 0.0)
 
     def _among(
         self, candidates: Sequence[Solids], blobs: BlobPair, others: Sequence[SolidFit], shown: float
