@@ -122,13 +122,13 @@ def scene_on_found_table(reader: Reader, looks: FirstLooks, shaded: Shaded, edge
     """
     there = reader.table(looks.first, looks.kept_besides, shaded)
     scene = scene_on(reader, looks, there, edge_radius_m)
-    if there is None:
-        return _scene_on_any(reader, looks, scene, shaded, edge_radius_m)
-    if not scene.is_groundless:
+    if there is not None and scene.is_groundless:
+        doubted = looks.not_on(there)
+        there = reader.table(doubted.first, doubted.kept_besides, shaded)
+        return scene_on(reader, doubted, there, edge_radius_m)
+    if len(scene.standing) >= _SEVERAL:
         return scene
-    doubted = looks.not_on(there)
-    there = reader.table(doubted.first, doubted.kept_besides, shaded)
-    return scene_on(reader, doubted, there, edge_radius_m)
+    return _scene_on_any(reader, looks, scene, shaded, edge_radius_m)
 
 
 def _scene_on_any(reader: Reader, looks: FirstLooks, scene: Scene, shaded: Shaded, edge_radius_m: float) -> Scene:
