@@ -68,9 +68,9 @@ class LastLook:
         return self._among(self._hinted(blobs) + self._around(blobs), blobs, others, shown)
 
     def at_risen(self, risen: Risen, others: Sequence[SolidFit]) -> Seen | None:
-        """The same of what rises from the table."""
-        candidates = risen.solids(self.images.rig, self.table) + self._around(risen.blobs)
-        return self._among(candidates, risen.blobs, others, 0.0)
+        """The same of what rises from the table, by its surface; if that shows none, by its edges alone."""
+        found = self._among(risen.solids(self.images.rig, self.table), risen.blobs, others, 0.0)
+        return found or self._among(self._around(risen.blobs), risen.blobs, others, 0.0)
 
     def _among(
         self, candidates: Sequence[Solids], blobs: BlobPair, others: Sequence[SolidFit], shown: float

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -107,6 +108,22 @@ def test_a_part_is_found_once_and_only_where_no_other_is(part: Solid) -> None:
     elsewhere = replace(without_solid, left_px=where.left_px + 80)
     assert at(images, blobs, [elsewhere], []) is not None
     assert at(images, blobs, [], [], shown=1.1) is None
+
+
+@pytest.mark.parametrize("part", PARTS.values(), ids=PARTS.keys())
+def test_what_rises_is_found_by_its_surface_or_by_its_edges_alone(monkeypatch: pytest.MonkeyPatch, part: Solid) -> None:
+    """Windows at the edge of a sheet of paper on which it stands tell nothing of its surface."""
+    images, blobs, scene = lone(part)
+    true = solid_of(RIG, scene, part).turning_about(TABLE.normal)
+    risen: Any = SimpleNamespace(solids=lambda *_: [], blobs=blobs)
+    by_edges = LastLook(images, TABLE, [], []).at_risen(risen, [])
+    monkeypatch.setattr(last_look, "solids_around", lambda *_: [])
+    assert LastLook(images, TABLE, [], []).at_risen(risen, []) is None
+    risen.solids = lambda *_: [true]
+    by_surface = LastLook(images, TABLE, [], []).at_risen(risen, [])
+    for seen in (by_edges, by_surface):
+        assert seen is not None
+        np.testing.assert_allclose(seen[1].fit.centre_m, true.centre_m[0], atol=5e-4)
 
 
 @pytest.mark.parametrize("by", [-0.4, 0.1])

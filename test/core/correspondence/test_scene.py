@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +14,9 @@ from outlines import disc
 from rendered_solids import PARTS, PLACED, RIG, rectified, table_of, true_fit
 from rendering import Scene as Rendered
 
+from stereo_pick.core.correspondence import scene as scenes
+from stereo_pick.core.correspondence.found_table import FoundTable
+from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import Located, Row
 from stereo_pick.core.correspondence.reading import Reading
@@ -41,6 +46,26 @@ def test_a_table_that_parts_go_through_is_above_theirs(height_m: float, is_above
     """Such as that of the tops of walls."""
     assert scene_on(height_m).is_above(scene_on(0.0, "standing", "box")) is is_above
     assert not scene_on(height_m).is_above(scene_on(0.0, "sphere"))
+
+
+def chosen(monkeypatch: pytest.MonkeyPatch, found: Scene, other: Scene) -> Scene:
+    """The scene, where one is on the table that was found, and the other on what may be it by all that is seen."""
+    there, may_be = found.together.table, other.together.table
+    assert there is not None and may_be is not None
+    monkeypatch.setattr(scenes, "scene_on", lambda _, __, on, ___: other if on.table is may_be else found)
+    reader: Any = SimpleNamespace(table=lambda *_: FoundTable(there, True))
+    looks: Any = SimpleNamespace(first=None, kept_besides=[], fits=[])
+    return scenes.scene_on_found_table(reader, looks, lambda _: [may_be], 0.0)
+
+
+def test_where_few_stand_on_the_table_that_was_found_another_may_be_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Unless nothing is refused, or no more is found there."""
+    few, several = scene_on(0.01, "standing", "box"), scene_on(0.0, *PARTS)
+    refused = [Unread("merged", disc(300, 200), disc(250, 200))]
+    unread = replace(few, together=replace(few.together, refused=refused))
+    assert chosen(monkeypatch, unread, several) is several
+    assert chosen(monkeypatch, few, several) is few
+    assert chosen(monkeypatch, unread, scene_on(0.0, "standing", "box")) is unread
 
 
 @pytest.mark.parametrize(("family", "seed", "found"), [("sheet", 3, 5), pytest.param("belt", 0, 3, marks=more)])
