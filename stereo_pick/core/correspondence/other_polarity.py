@@ -14,7 +14,7 @@ from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.objects.beside import are_beside, is_high_light
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.common_table import stands_on
+from stereo_pick.core.shapes.common_table import stands_on, surely_on
 from stereo_pick.core.shapes.hypotheses import BODY
 from stereo_pick.core.shapes.table import Table
 
@@ -33,7 +33,7 @@ def joined(bright: Reading, dark: Reading, chosen: Reading, rig: StereoRig) -> R
 def _dark_besides(bright: Reading, dark: Reading, rig: StereoRig) -> Reading:
     """Bright objects, and dark bodies. What else is dark mostly is a shadow: it is spoken of where there are such."""
     table = bright.table
-    light = _without_high_lights(bright.kept, dark)
+    light = _without_high_lights(bright.kept, dark, table)
     bodies = [row for row in dark.kept if _is_body(row[1], table)]
     kept = _of_none(bodies, light, rig)
     away = _of_none([row for row in dark.kept if row not in bodies], light, rig)
@@ -46,7 +46,7 @@ def _dark_besides(bright: Reading, dark: Reading, rig: StereoRig) -> Reading:
 def _bright_besides(dark: Reading, bright: Reading, rig: StereoRig) -> Reading:
     """Dark objects, and bright bodies; and of what is dark and lost beside them it is spoken."""
     table = dark.table
-    light = _without_high_lights([row for row in bright.kept if _is_body(row[1], table)], dark)
+    light = _without_high_lights([row for row in bright.kept if _is_body(row[1], table)], dark, table)
     kept = _of_none(dark.kept, light, rig)
     besides = [each for each in bright.unread if _is_object(each, rig, table)]
     aside = _others(bright.unread, besides)
@@ -58,8 +58,16 @@ def _others(several: Sequence[Unread], these: Sequence[Unread]) -> list[Unread]:
     return [each for each in several if each not in these]
 
 
-def _without_high_lights(bright: Sequence[Row], dark: Reading) -> list[Row]:
-    return [row for row in bright if not _is_on_one_of(row[0], dark.kept)]
+def _without_high_lights(bright: Sequence[Row], dark: Reading, table: Table | None) -> list[Row]:
+    """What is bright, but no place on something dark: what surely stands on the table is in it, as in a tray."""
+    return [row for row in bright if _surely_stands(row[1], table) or not _is_on_one_of(row[0], dark.kept)]
+
+
+def _surely_stands(where: Located, table: Table | None) -> bool:
+    """Whether it is a body that stands on the table."""
+    if table is None or where.fit is None:
+        return False
+    return where.fit.flatness >= BODY and surely_on(table, where.fit)
 
 
 def _of_none(dark: Sequence[Row], light: Sequence[Row], rig: StereoRig) -> list[Row]:
