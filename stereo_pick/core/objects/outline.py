@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
 from typing import TypeVar
 
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from stereo_pick.core.arrays import Floats, Image
 from stereo_pick.core.objects.blob import Blob
 from stereo_pick.core.objects.foreground import Foreground
+from stereo_pick.core.objects.frames import beside_walls, outermost
 from stereo_pick.core.objects.view import View
 
 _PATTERN = 0.04  # of an object's contrast, from a pixel to the next ones
@@ -31,53 +33,21 @@ def outlines(fore: Foreground, min_area_px: int, closing_px: int) -> Iterator[Bl
     min_area_px = _reduced_area(view, min_area_px)
     closing_px = 2 * (closing_px // (2 * view.reduction)) + 1 if closing_px else 0
     mask = np.asarray(cv2.medianBlur(fore.mask, 3), np.uint8)  # salt and pepper
-    for outer in _outermost(mask):
+    for outer in outermost(mask):
         x, y, width, height = cv2.boundingRect(outer)
         if width * height < min_area_px:
             continue
         window = np.s_[y : y + height, x : x + width]
-        member = _filled(outer, (height, width), (-x, -y)) & mask[window]
+        filled = _filled(outer, (height, width), (-x, -y))
+        member = filled & mask[window]
         if cv2.countNonZero(member) >= min_area_px:
             excess = fore.excess(window)
             # What fades at the rim is glow or shadow.
             member &= excess > fore.trim * upper_median(excess[member.view(np.bool_)])
             gap_px = closing_px and max(closing_px, _gap_px(member, excess, fore.contrast.background.sigma))
             yield from pieces(view, member, excess, (x, y), min_area_px, gap_px)
-
-
-def _outermost(mask: Image) -> Iterator[NDArray[np.int32]]:
-    """The outer contours of what is 8-connected; of what lies in holes of other things only where these are frames, as
-    the walls around a container are, of which holes are more than half: a part may have a pattern."""
-    contours, nested = cv2.findContours(mask, cv2.RETR_TREE, cv2.CHAIN_APPROX_NONE)
-    if nested is None:
-        return
-    area_px2 = [cv2.contourArea(each) for each in contours]
-    around = nested[0][:, 3].tolist()
-    is_hole = [_depth(around, i) % 2 == 1 for i in range(len(contours))]
-    holes_px2 = [0.0] * len(contours)
-    for i in np.flatnonzero(is_hole).tolist():
-        holes_px2[around[i]] += area_px2[i]
-    for i in np.flatnonzero(np.invert(is_hole)).tolist():
-        hole = around[i]
-        frame = around[hole]
-        if hole < 0 or _is_framed(area_px2[i], area_px2[hole], holes_px2[frame], area_px2[frame]):
-            yield np.asarray(contours[i], np.int32)
-
-
-def _depth(around: Sequence[int], i: int) -> int:
-    """How many contours are around a contour."""
-    depth = 0
-    while (i := around[i]) >= 0:
-        depth += 1
-    return depth
-
-
-def _is_framed(own_px2: float, hole_px2: float, holes_px2: float, frame_px2: float) -> bool:
-    """Whether what lies in a hole is no part of what is around it: that is little more than holes, and so is the hole.
-
-    Through a tube that stands the lit table is seen, which fills most of its hole.
-    """
-    return holes_px2 > frame_px2 / 2 and own_px2 < hole_px2 / 2
+            for piece in pieces(view, beside_walls(member, filled), excess, (x, y), min_area_px, closing_px=1):
+                yield replace(piece, fault="merged")
 
 
 def parts(
