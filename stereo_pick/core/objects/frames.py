@@ -63,7 +63,7 @@ def beside_walls(member: Image, filled: Image) -> Image:
     wall_px = float(np.median(away_px[is_ridge]))
     core = (away_px > _THICK * wall_px).astype(np.uint8)
     reach = np.ones((2 * int(_THICK * wall_px) + 1,) * 2, np.uint8)
-    return np.asarray(cv2.dilate(core, reach) & frame, np.uint8)
+    return np.asarray(cv2.bitwise_and(cv2.dilate(core, reach), frame), np.uint8)
 
 
 def _largest(member: Image) -> Image:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.other_polarity import joined
-from stereo_pick.core.correspondence.position import Located
+from stereo_pick.core.correspondence.position import Located, Row
 from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.objects import Detector
 from stereo_pick.core.pipeline import Pipeline, Result, Steps
@@ -138,3 +139,16 @@ def test_what_is_dark_and_no_body_is_refused_by_what_is_known_of_the_table(offse
     bright = Reading([], [], table)
     joint = joined(bright, Reading([row], [], table), bright, RIG)
     assert not joint.kept and not joint.unread and [each.reason for each in joint.for_good] == [reason]
+
+
+@pytest.mark.parametrize(("above_m", "is_found"), [(0.0, True), (0.001, True), (0.02, False)])
+def test_what_surely_stands_on_the_table_is_no_high_light_on_something_dark(above_m: float, is_found: bool) -> None:
+    """As bright parts in a dark tray, which were not even spoken of; high lights are above it."""
+    ball = SolidFit("sphere", np.array([0.0, 0.0, 0.88 - above_m]), np.eye(3), np.full(3, 0.04), 0.1, 1e-8 * np.eye(3))
+    bright: Row = (disc(300, 200), disc(150, 200)), Located(np.zeros(2), np.zeros(2), 0.1, ball)
+    dark: Row = (disc(300, 200, 80), disc(150, 200, 80)), Located(np.zeros(2), np.zeros(2), 0.1, None)
+    table = Table(np.array([0.0, 0.0, -1.0]), 0.9, 1e-3)
+    one, other = Reading([bright], [], table), Reading([dark], [], table)
+    for chosen in (one, other):
+        assert (bright in joined(one, other, chosen, RIG).kept) == is_found
+    assert bright not in joined(replace(one, table=None), replace(other, table=None), one, RIG).kept

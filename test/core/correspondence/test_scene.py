@@ -82,3 +82,10 @@ def test_what_stands_on_a_higher_table_does_not_reach_down_to_the_lower_one() ->
     """It was 29 mm off; the law itself: `test_last_look.py`."""
     result = scored(None, ("terrace", 3))
     assert len(result.missed) == 0 and result.wrong == 0
+
+
+@pytest.mark.parametrize(("seed", "found"), [(6, 4), pytest.param(9, 4, marks=more), pytest.param(1, 3, marks=more)])
+def test_parts_in_the_cells_of_a_tray_are_found(seed: int, found: int) -> None:
+    """Bright walls make one outline of all of them; dark ones have them for high lights."""
+    result = scored(None, ("dividers", seed))
+    assert result.required - len(result.missed) >= found and result.wrong == 0

@@ -294,3 +294,27 @@ def test_what_lies_within_a_frame_is_found(within: float) -> None:
 def test_a_part_with_a_hole_is_one(inner: Disc, hole_px: float) -> None:
     """A spot in a pattern is no part of its own, nor is the table that is seen through a tube."""
     assert len(found(framed(inner, hole_px)).left) == 1
+
+
+@pytest.mark.parametrize("wall_px", [4.0, 10.0])
+@pytest.mark.parametrize("beside_px", [0.0, 20.0])
+def test_what_is_one_with_the_walls_of_a_frame_is_merged_and_is_looked_at_by_itself(
+    wall_px: float, beside_px: float
+) -> None:
+    """As parts in the cells of a tray: of the outline around all of it nothing more was to be learned."""
+    x, y, radius = FRAME
+    inner = (x - radius + wall_px + beside_px, y, 40.0)
+    blobs = found(framed(inner, hole_px=radius - wall_px))
+    for view in (blobs.left, blobs.right):
+        (within,) = [blob for blob in view if blob.area_px2 < 10 * 40**2]
+        assert within.fault == "merged" and sorted(faults(view)) == ["", "merged"]
+        np.testing.assert_allclose(within.centroid_px, inner[:2], atol=12)
+        assert 0.7 < within.area_px2 / (np.pi * 40**2) < 1.3
+
+
+@pytest.mark.parametrize("hole_px", [60.0, 140.0, 196.0])
+def test_a_frame_alone_has_nothing_that_is_thicker_than_its_walls(hole_px: float) -> None:
+    x, y, radius = FRAME
+    light = discs((FRAME,), 200.0, 50.0)
+    hole = discs(((x + 0.3 * (radius - hole_px), y, hole_px),), 1.0, 0.0)
+    assert len(found(light * (1 - hole) + 50.0 * hole).left) == 1
