@@ -49,6 +49,17 @@ class WarpedViews:
         """Whether it does, and the table is known so well there that a part as long would show if it stood up."""
         return self._is_known_at(outline) and self.is_all_of(outline, solids)
 
+    def is_surely_all_beside(self, fit: SolidFit, outline: Blob, solids: Sequence[SolidFit]) -> bool:
+        """Whether all that an outline in the left view shows clear of the solids, no farther from one of them than that
+        is wide, lies on the table, which is known so well that it would show if it rose, and something does."""
+        if not self._is_known_for(float(fit.size_m.mean())):
+            return False
+        rig, seen = self.pair.rig, self.seen
+        silhouette = fit.silhouettes(rig)[0]
+        reach_px = 2 * _half_width_px(rig.left, silhouette, seen.scale)
+        near = seen.beside(outline, solids) & (within_px(seen.left, rig.left, silhouette, seen.scale) > -reach_px)
+        return int(near.sum()) >= LEAST and float(seen.lies[near].mean()) > _MOST
+
     def shows_nothing_rise(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether the table, where it is known well enough for a part as long, is seen in an outline in the left view
         clear of the solids, and nothing that rises from it."""

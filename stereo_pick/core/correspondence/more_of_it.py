@@ -36,8 +36,10 @@ def as_unsure_as_whole(
     others = [(each.left, each.right) for each in unread if each.left and each.right and each.reason != _SHADE]
     fits = [where.fit for _, where in rows if where.fit]
 
-    def lies_flat(pair: BlobPair) -> bool:
-        return warped is not None and warped.is_surely_all_of(pair[0], fits)
+    def lies_flat(pair: BlobPair, fit: SolidFit) -> bool:
+        if warped is None:
+            return False
+        return warped.is_surely_all_of(pair[0], fits) or warped.is_surely_all_beside(fit, pair[0], fits)
 
     return [_as_unsure(_or_both(row, rows), others, rig, lies_flat) for row in rows]
 
@@ -62,11 +64,13 @@ def _touch(one: BlobPair, other: BlobPair) -> bool:
     return all(are_beside(*each, _TOUCHES_PX) for each in zip(one, other))
 
 
-def _as_unsure(row: Row, others: Sequence[BlobPair], rig: StereoRig, lies_flat: Callable[[BlobPair], bool]) -> Row:
+def _as_unsure(
+    row: Row, others: Sequence[BlobPair], rig: StereoRig, lies_flat: Callable[[BlobPair, SolidFit], bool]
+) -> Row:
     blobs, where = row
     if where.fit is None:
         return row
-    touching = [pair for pair in others if _touch(blobs, pair) and not lies_flat(pair)]
+    touching = [pair for pair in others if _touch(blobs, pair) and not lies_flat(pair, where.fit)]
     if not touching:
         return row
     off_px = max(_moved_px(where.fit, pair, rig) for pair in touching)

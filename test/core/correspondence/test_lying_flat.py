@@ -66,9 +66,9 @@ def test_what_may_lie_on_a_table_that_is_hardly_known_does_not_surely(sigma_m: f
     assert (warped.is_all_of(outline(100), []), warped.is_surely_all_of(outline(100), [])) == (may, surely)
 
 
-def ball(radius_px: float) -> SolidFit:
-    """A ball in the middle of the disc."""
-    ray = np.append(normalized(np.array([MIDDLE]), RIG.left)[0], 1.0)
+def ball(radius_px: float, away_px: float = 0.0) -> SolidFit:
+    """A ball so far beside the middle of the disc."""
+    ray = np.append(normalized(np.array([MIDDLE]) - (away_px, 0.0), RIG.left)[0], 1.0)
     depth_m = TABLE.offset_m / -float(TABLE.normal @ ray)
     size_m = 2 * radius_px * depth_m / RIG.focal_px
     return SolidFit("sphere", ray * depth_m, np.eye(3), np.full(3, size_m), 0.1, np.eye(3) * 1e-8)
@@ -80,6 +80,17 @@ def test_beside_a_solid_that_rises_the_rest_of_a_print_lies() -> None:
     print_ = outline(140.0)
     assert not warped.is_all_of(print_, [])
     assert warped.is_all_of(print_, [ball(RADIUS_PX + 10)])
+
+
+@pytest.mark.parametrize(
+    ("away_px", "sigma_m", "lies"), [(180.0, 5e-4, True), (180.0, 1e-2, False), (95.0, 5e-4, False)]
+)
+def test_what_rises_far_from_a_solid_is_no_piece_of_it(away_px: float, sigma_m: float, lies: bool) -> None:
+    """One outline holds them both, as that of a board on which several parts stand."""
+    warped = WarpedViews(raised(0.01), replace(MEASURED, sigma_m=sigma_m))
+    one, board = ball(25.0, away_px), outline(220.0)
+    assert not warped.is_surely_all_of(board, [one])
+    assert warped.is_surely_all_beside(one, board, [one]) == lies
 
 
 @pytest.mark.parametrize(("height_m", "through"), [(0.0, True), (0.004, False), (0.04, False)])
