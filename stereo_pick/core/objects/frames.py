@@ -49,14 +49,15 @@ def _is_framed(own_px2: float, hole_px2: float, holes_px2: float, frame_px2: flo
     return holes_px2 > frame_px2 / 2 and own_px2 < hole_px2 / 2
 
 
-def beside_walls(member: Image, filled: Image) -> Image:
+def beside_walls(member: Image) -> Image:
     """What of an object's pixels (h, w), 1 or 0, is clearly thicker than the walls of a frame, and so is none of them;
-    nothing where it is no frame. filled: the same without holes.
+    nothing where it is no frame.
 
     Parts that lie at walls, or are seen before them, have one outline with them.
     """
     frame = _largest(member)
-    if cv2.countNonZero(frame) > (1 - _OPEN) * cv2.countNonZero(filled):
+    contours, _ = cv2.findContours(frame, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    if cv2.countNonZero(frame) > (1 - _OPEN) * sum(cv2.contourArea(each) for each in contours):
         return np.zeros_like(member)
     away_px = cv2.distanceTransform(np.pad(frame, 1), cv2.DIST_L2, cv2.DIST_MASK_5)[1:-1, 1:-1]
     is_ridge = (frame > 0) & (away_px >= cv2.dilate(away_px, np.ones((3, 3), np.uint8)))

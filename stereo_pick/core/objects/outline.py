@@ -38,16 +38,16 @@ def outlines(fore: Foreground, min_area_px: int, closing_px: int) -> Iterator[Bl
         if width * height < min_area_px:
             continue
         window = np.s_[y : y + height, x : x + width]
-        filled = _filled(outer, (height, width), (-x, -y))
-        member = filled & mask[window]
+        member = _filled(outer, (height, width), (-x, -y)) & mask[window]
         if cv2.countNonZero(member) >= min_area_px:
             excess = fore.excess(window)
             # What fades at the rim is glow or shadow.
             member &= excess > fore.trim * upper_median(excess[member.view(np.bool_)])
             gap_px = closing_px and max(closing_px, _gap_px(member, excess, fore.contrast.background.sigma))
             yield from pieces(view, member, excess, (x, y), min_area_px, gap_px)
-            for piece in pieces(view, beside_walls(member, filled), excess, (x, y), min_area_px, closing_px=1):
-                yield replace(piece, fault="merged")
+            if fore.polarity == "bright":  # what is dark around something is its shadow, as a rule
+                found = pieces(view, beside_walls(member), excess, (x, y), min_area_px, closing_px=1)
+                yield from (replace(piece, fault="merged") for piece in found)
 
 
 def parts(
