@@ -42,8 +42,7 @@ class WarpedViews:
     def is_all_of(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether all that an outline in the left view shows clear of the solids lies on the table, as far as that is
         known, and something does."""
-        rest = self.seen.beside(outline, solids)
-        return int(rest.sum()) >= LEAST and float(self.seen.lies[rest].mean()) > _MOST
+        return self._all_lie(self.seen.beside(outline, solids))
 
     def is_surely_all_of(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether it does, and the table is known so well there that a part as long would show if it stood up."""
@@ -58,7 +57,7 @@ class WarpedViews:
         silhouette = fit.silhouettes(rig)[0]
         reach_px = 2 * _half_width_px(rig.left, silhouette, seen.scale)
         near = seen.beside(outline, solids) & (within_px(seen.left, rig.left, silhouette, seen.scale) > -reach_px)
-        return int(near.sum()) >= LEAST and float(seen.lies[near].mean()) > _MOST
+        return self._all_lie(near)
 
     def shows_nothing_rise(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether the table, where it is known well enough for a part as long, is seen in an outline in the left view
@@ -152,6 +151,10 @@ class WarpedViews:
         one, other = seen.view[around], remapped(seen.right_view, there, cv2.BORDER_CONSTANT, cv2.INTER_CUBIC)
         squares = (one * one).sum(axis=1) * (other * other).sum(axis=1)
         return np.asarray((one * other).sum(axis=1) / np.sqrt(np.maximum(squares, _TINY)), np.float64)
+
+    def _all_lie(self, chosen: Bools) -> bool:
+        """Whether all windows chosen (N,) of all lie on the table, but for a few, and there are some."""
+        return int(chosen.sum()) >= LEAST and float(self.seen.lies[chosen].mean()) > _MOST
 
     def _is_known_at(self, outline: Blob) -> bool:
         """Whether the table is known so well there that a part as long as an outline would show if it stood up."""
