@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from stereo_pick.core.correspondence.found_table import FoundTable, Shaded
+from stereo_pick.core.correspondence.last_look import LastLook, may_be_found
 from stereo_pick.core.correspondence.one_plane import shows_one_face
 from stereo_pick.core.correspondence.other_polarity import joined
 from stereo_pick.core.correspondence.position import Row
@@ -72,19 +73,18 @@ class Scene:
         table = self.together.table
         if self.is_known or table is None:
             return False
-        return not any(where.fit is not None and stands_on(table, where.fit) for _, where in self.together.kept)
+        return not any(stands_on(table, fit) for fit in self.solids)
 
     @property
-    def solids(self) -> int:
-        """How many objects a solid explains."""
-        return sum(where.fit is not None for _, where in self.together.kept)
+    def solids(self) -> list[SolidFit]:
+        """Those that explain objects."""
+        return [where.fit for _, where in self.together.kept if where.fit is not None]
 
     @property
     def standing(self) -> list[SolidFit]:
-        """The solids that surely stand on the table; balls stand on any."""
+        """Those of them that surely stand on the table; balls stand on any."""
         table = self.together.table
-        fits = [where.fit for _, where in self.together.kept if where.fit is not None]
-        return [fit for fit in fits if fit.kind != SPHERE.name and surely_on(table, fit)] if table else []
+        return [fit for fit in self.solids if fit.kind != SPHERE.name and surely_on(table, fit)] if table else []
 
     def is_above(self, other: Scene) -> bool:
         """Whether the table is one that something of the other scene goes through: walls have tops on a plane, too."""
@@ -132,16 +132,22 @@ def scene_on_found_table(reader: Reader, looks: FirstLooks, shaded: Shaded, edge
 
 
 def _scene_on_any(reader: Reader, looks: FirstLooks, scene: Scene, shaded: Shaded, edge_radius_m: float) -> Scene:
-    """The same scene on what may be its table by all that is seen, or as one of the objects stands, if several are
+    """The same scene on what may be its table by all that is seen, or as one of its objects stands, if several are
     found there: where outlines are one with those of what lies there, no other way tells of it."""
     if not scene.together.refused:
         return scene
     seen = [FoundTable(table, True) for table in shaded(None)]
-    supposed = [FoundTable(table, False) for table in supposed_tables(looks.fits)[:_SUPPOSED]]
+    supposed = [FoundTable(table, False) for table in supposed_tables(scene.solids)[:_SUPPOSED]]
     for several in (seen, supposed):
-        scenes = [scene_on(reader, looks, there, edge_radius_m) for there in several]
+        scenes = [scene_on(reader, looks, there, edge_radius_m) for there in several if _bears_any(reader, scene, there)]
         likely = [each for each in scenes if not any(each.is_above(other) for other in scenes)]
         best = max(likely, key=lambda each: len(each.standing), default=scene)
-        if len(best.standing) >= _SEVERAL and best.solids > scene.solids:
+        if len(best.standing) >= _SEVERAL and len(best.solids) > len(scene.solids):
             return best
     return scene
+
+
+def _bears_any(reader: Reader, scene: Scene, there: FoundTable) -> bool:
+    """Whether something that is refused in a scene is found on a table: most of those tried are none."""
+    look = LastLook(reader.images, there.table, [], [])
+    return any(look.at_refused(unread, []) for unread in may_be_found(scene.together.refused))
