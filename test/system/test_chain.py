@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from marks import first_of
 from recordings import DEMO_RIG, START_NS, Recording, demo_pairs, write_images
 from ros_tools import DEADLINE_S, DOWNSTREAM, System, is_prompt, running_system, slowness
 from visualization_msgs.msg import Marker
@@ -158,10 +159,13 @@ def stamp_of(message: Any) -> int:
     return stamp_ns((message.markers[0] if hasattr(message, "markers") else message).header.stamp)
 
 
-@pytest.fixture(scope="module", params=["four processes", "one process"])
+FOUR, ONE = "four processes", "one process"
+
+
+@pytest.fixture(scope="module")
 def nodes(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nodes]:
     with running_system(tmp_path_factory.mktemp("chain")) as system:
-        yield Nodes(system, one_process=request.param == "one process")
+        yield Nodes(system, one_process=request.param == ONE)
 
 
 @pytest.fixture(scope="module")
@@ -207,7 +211,11 @@ def same(array: Positions, expected: Positions) -> bool:
     return np.shape(array) == np.shape(expected) and np.allclose(array, expected, rtol=0, atol=TOLERANCE_M)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    ("nodes", "method"),
+    [*first_of((FOUR, "feature"), (FOUR, "ssd")), *first_of((ONE, "ssd"), (ONE, "feature"))],
+    indirect=["nodes"],
+)
 def test_the_demo_bag_gives_the_numbers_of_the_offline_pipeline(nodes: Nodes, method: str, tmp_path: Path) -> None:
     bag = Recorded.write(tmp_path / "bag", load_rig(DEMO_RIG), demo_pairs(3))
     expected = offline(bag, method, tmp_path / "offline.jsonl")
@@ -260,8 +268,8 @@ def check_messages(
     assert [cube.pose for cube in cubes] == list(array.poses)
 
 
-@pytest.mark.parametrize("nodes", ["four processes"], indirect=True)
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("nodes", [FOUR], indirect=True)
+@pytest.mark.parametrize("method", first_of("feature", "ssd"))
 def test_a_real_rig_gives_the_numbers_of_locate(
     nodes: Nodes,
     vigir: tuple[Path, list[list[Path]]],
@@ -281,6 +289,7 @@ def test_a_real_rig_gives_the_numbers_of_locate(
         assert [len(each) for each in expected] == [4, 4, 4]
 
 
+@pytest.mark.parametrize("nodes", first_of(ONE, FOUR), indirect=True)
 def test_a_folder_of_image_pairs_gives_the_numbers_of_locate(
     nodes: Nodes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -299,7 +308,7 @@ def test_a_folder_of_image_pairs_gives_the_numbers_of_locate(
     assert {message.header.frame_id for message in received.images["right"]} == {"right_camera_optical_frame"}
 
 
-@pytest.mark.parametrize("nodes", ["four processes"], indirect=True)
+@pytest.mark.parametrize("nodes", [FOUR], indirect=True)
 def test_a_method_changed_live_takes_effect(nodes: Nodes, tmp_path: Path) -> None:
     bag = Recorded.write(tmp_path / "bag", load_rig(DEMO_RIG), demo_pairs(2))
     expected = {method: offline(bag, method, tmp_path / f"{method}.jsonl") for method in METHODS}
@@ -317,6 +326,7 @@ def test_a_method_changed_live_takes_effect(nodes: Nodes, tmp_path: Path) -> Non
     assert player.end(signal.SIGTERM)[0] == 0
 
 
+@pytest.mark.parametrize("nodes", first_of(FOUR, ONE), indirect=True)
 def test_an_empty_table_gives_empty_pose_arrays(nodes: Nodes, tmp_path: Path, shared_data: Path) -> None:
     left, right = (read_image(shared_data / "bench_rig" / "empty" / "table" / f"{s}.png") for s in ("left", "right"))
     bag = Recorded.write(tmp_path / "bag", load_rig(DEMO_RIG), [(left, right)] * 2)

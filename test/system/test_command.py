@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from marks import first_of
 from recordings import DEMO_RIG, Recording, demo_pairs, write_images
 from ros_tools import Done, System, environment, is_prompt, reserved_domain, stereo_pick, stereo_pick_here
 from rosbags.highlevel import AnyReader
@@ -230,7 +231,7 @@ def test_run_shows_every_pair_and_ends_with_the_recording(
 
 @pytest.mark.parametrize(
     ("number", "more"),
-    [(signal.SIGTERM, ["--one-process"]), (signal.SIGHUP, ["--one-process"]), (signal.SIGINT, [])],
+    [(signal.SIGINT, []), *first_of((signal.SIGTERM, ["--one-process"]), (signal.SIGHUP, ["--one-process"]))],
 )
 def test_run_loops_until_a_signal_and_leaves_no_process(
     bag: Path, offline: list[dict[str, Any]], system: System, number: signal.Signals, more: list[str]

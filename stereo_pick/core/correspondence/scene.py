@@ -17,6 +17,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.common_table import stands_on, supposed_tables, surely_on
 from stereo_pick.core.shapes.kinds import SPHERE
+from stereo_pick.core.shapes.table import Table
 
 _SUPPOSED = 2  # tables that single objects let suppose
 _SEVERAL = 2  # solids on a table that bear it out
@@ -139,15 +140,16 @@ def _scene_on_any(reader: Reader, looks: FirstLooks, scene: Scene, shaded: Shade
     seen = [FoundTable(table, True) for table in shaded(None)]
     supposed = [FoundTable(table, False) for table in supposed_tables(scene.solids)[:_SUPPOSED]]
     for several in (seen, supposed):
-        scenes = [scene_on(reader, looks, there, edge_radius_m) for there in several if _bears_any(reader, scene, there)]
-        likely = [each for each in scenes if not any(each.is_above(other) for other in scenes)]
-        best = max(likely, key=lambda each: len(each.standing), default=scene)
+        likely = [there for there in several if _bears_any(reader, scene, there.table)]
+        scenes = [scene_on(reader, looks, there, edge_radius_m) for there in likely]
+        lowest = [each for each in scenes if not any(each.is_above(other) for other in scenes)]
+        best = max(lowest, key=lambda each: len(each.standing), default=scene)
         if len(best.standing) >= _SEVERAL and len(best.solids) > len(scene.solids):
             return best
     return scene
 
 
-def _bears_any(reader: Reader, scene: Scene, there: FoundTable) -> bool:
+def _bears_any(reader: Reader, scene: Scene, table: Table) -> bool:
     """Whether something that is refused in a scene is found on a table: most of those tried are none."""
-    look = LastLook(reader.images, there.table, [], [])
+    look = LastLook(reader.images, table, [], [])
     return any(look.at_refused(unread, []) for unread in may_be_found(scene.together.refused))

@@ -7,6 +7,7 @@ import pytest
 from family_scenes import found
 from hypothesis import given
 from hypothesis import strategies as st
+from marks import more
 from outlines import disc
 from rigs import RIGS
 
@@ -62,6 +63,7 @@ def test_the_centre_of_an_unknown_shape_is_anywhere_within_its_width(radius_px: 
     assert where.covariance == pytest.approx(min(width_m, height_m or width_m) ** 2 / 12 * np.eye(3), rel=0.1)
 
 
+@more
 def test_what_is_wrong_says_so() -> None:
     """A box of unknown shape, 18 mm off."""
     result = found("labels", 12)

@@ -45,7 +45,7 @@ def test_a_rod_does_not_as_it_may_be_light_that_mirrors_in_a_body(
 
 @pytest.mark.parametrize(
     ("family", "seed", "which"),
-    [*first_of(*NOT_WHAT_OBJECTS_HINT_AT), *first_of(("glossy", 15, 1), ("planks_and_prints", 4, 1))],
+    first_of(*NOT_WHAT_OBJECTS_HINT_AT, ("glossy", 15, 1), ("planks_and_prints", 4, 1)),
 )
 def test_shadows_and_grain_show_it_where_the_objects_do_not_agree(family: str, seed: int, which: int) -> None:
     assert {each.which: each.distance_m for each in found(family, seed).found}[which] < 5e-4

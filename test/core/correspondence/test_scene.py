@@ -16,6 +16,7 @@ from rendering import Scene as Rendered
 
 from stereo_pick.core.correspondence import scene as scenes
 from stereo_pick.core.correspondence.found_table import FoundTable
+from stereo_pick.core.correspondence.last_look import LastLook
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import Located, Row
@@ -48,23 +49,29 @@ def test_a_table_that_parts_go_through_is_above_theirs(height_m: float, is_above
     assert not scene_on(height_m).is_above(scene_on(0.0, "sphere"))
 
 
-def chosen(monkeypatch: pytest.MonkeyPatch, found: Scene, other: Scene) -> Scene:
-    """The scene, where one is on the table that was found, and the other on what may be it by all that is seen."""
+def chosen(monkeypatch: pytest.MonkeyPatch, found: Scene, other: Scene, bears: bool = True) -> Scene:
+    """The scene, where one is on the table that was found, and the other on what may be it by all that is seen.
+
+    bears: whether something that is refused is found there.
+    """
     there, may_be = found.together.table, other.together.table
     assert there is not None and may_be is not None
     monkeypatch.setattr(scenes, "scene_on", lambda _, __, on, ___: other if on.table is may_be else found)
-    reader: Any = SimpleNamespace(table=lambda *_: FoundTable(there, True))
+    monkeypatch.setattr(LastLook, "at_refused", lambda look, *_: bears or None)
+    reader: Any = SimpleNamespace(table=lambda *_: FoundTable(there, True), images=None)
     looks: Any = SimpleNamespace(first=None, kept_besides=[], fits=[])
     return scenes.scene_on_found_table(reader, looks, lambda _: [may_be], 0.0)
 
 
 def test_where_few_stand_on_the_table_that_was_found_another_may_be_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Unless nothing is refused, or no more is found there."""
+    """Unless nothing is refused, or found there of what is, or no more is found."""
     few, several = scene_on(0.01, "standing", "box"), scene_on(0.0, *PARTS)
-    refused = [Unread("merged", disc(300, 200), disc(250, 200))]
+    left, right = (replace(disc(x_px, 200), sharpness=np.full(64, 0.9)) for x_px in (300, 250))
+    refused = [Unread("merged", left, right)]
     unread = replace(few, together=replace(few.together, refused=refused))
     assert chosen(monkeypatch, unread, several) is several
     assert chosen(monkeypatch, few, several) is few
+    assert chosen(monkeypatch, unread, several, bears=False) is unread
     assert chosen(monkeypatch, unread, scene_on(0.0, "standing", "box")) is unread
 
 
