@@ -33,34 +33,46 @@ def joined(bright: Reading, dark: Reading, chosen: Reading, rig: StereoRig) -> R
 def _dark_besides(bright: Reading, dark: Reading, rig: StereoRig) -> Reading:
     """Bright objects, and dark bodies. What else is dark mostly is a shadow: it is spoken of where there are such."""
     table = bright.table
-    light = _without_high_lights(bright.kept, dark, table)
+    light, on_dark = _high_lights_aside(bright.kept, dark, table)
     bodies = [row for row in dark.kept if _is_body(row[1], table)]
     kept = _of_none(bodies, light, rig)
     away = _of_none([row for row in dark.kept if row not in bodies], light, rig)
     besides = [each for each in dark.unread if kept or _is_object(each, rig, table)]
     reason = "off_table" if table else "flat"
     for_good = [Unread(reason, *row[0]) for row in away]
-    return Reading(light + kept, bright.unread + besides, table, for_good, _others(dark.unread, besides))
+    alone, high_lights = _told_apart(on_dark, kept)
+    aside = _others(dark.unread, besides) + high_lights
+    return Reading(light + kept, bright.unread + besides + alone, table, for_good, aside)
 
 
 def _bright_besides(dark: Reading, bright: Reading, rig: StereoRig) -> Reading:
     """Dark objects, and bright bodies; and of what is dark and lost beside them it is spoken."""
     table = dark.table
-    light = _without_high_lights([row for row in bright.kept if _is_body(row[1], table)], dark, table)
+    light, on_dark = _high_lights_aside([row for row in bright.kept if _is_body(row[1], table)], dark, table)
     kept = _of_none(dark.kept, light, rig)
     besides = [each for each in bright.unread if _is_object(each, rig, table)]
-    aside = _others(bright.unread, besides)
+    alone, high_lights = _told_apart(on_dark, kept)
+    aside = _others(bright.unread, besides) + high_lights
     besides += [Unread("beside_bright", *row[0]) for row in dark.kept if row not in kept and row[1].fit is None]
-    return Reading(light + kept, dark.unread + besides, table, aside=aside)
+    return Reading(light + kept, dark.unread + besides + alone, table, aside=aside)
 
 
 def _others(several: Sequence[Unread], these: Sequence[Unread]) -> list[Unread]:
     return [each for each in several if each not in these]
 
 
-def _without_high_lights(bright: Sequence[Row], dark: Reading, table: Table | None) -> list[Row]:
-    """What is bright, but no place on something dark: what surely stands on the table is in it, as in a tray."""
-    return [row for row in bright if _surely_stands(row[1], table) or not _is_on_one_of(row[0], dark.kept)]
+def _high_lights_aside(bright: Sequence[Row], dark: Reading, table: Table | None) -> tuple[list[Row], list[Row]]:
+    """What is bright, but no place on something dark, and what may be one: what surely stands on the table is in that,
+    as in a tray."""
+    on_dark = [row for row in bright if not _surely_stands(row[1], table) and _is_on_one_of(row[0], dark.kept)]
+    return [row for row in bright if row not in on_dark], on_dark
+
+
+def _told_apart(on_dark: Sequence[Row], dark: list[Row]) -> tuple[list[Unread], list[Unread]]:
+    """What may be a high light, but of nothing dark that is kept, so that it may be an object; and the others."""
+    unread = [Unread("half_lit", *blobs) for blobs, _ in on_dark]
+    alone = [each for each, (blobs, _) in zip(unread, on_dark) if not _is_on_one_of(blobs, dark)]
+    return alone, _others(unread, alone)
 
 
 def _surely_stands(where: Located, table: Table | None) -> bool:

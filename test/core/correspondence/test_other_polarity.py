@@ -152,3 +152,18 @@ def test_what_surely_stands_on_the_table_is_no_high_light_on_something_dark(abov
     for chosen in (one, other):
         assert (bright in joined(one, other, chosen, RIG).kept) == is_found
     assert bright not in joined(replace(one, table=None), replace(other, table=None), one, RIG).kept
+
+
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_what_may_be_a_high_light_is_refused_where_what_it_is_on_is_no_object(is_kept: bool) -> None:
+    """Bright parts in a dark tray of which nothing was told were lost without a word."""
+    at_m, sure = np.array([0.0, 0.0, 0.8]), 1e-8 * np.eye(3)
+    ball = SolidFit("sphere", at_m, np.eye(3), np.full(3, 0.02), 0.1, sure)
+    box = SolidFit("box", at_m, np.eye(3), np.full(3, 0.1), 0.1, sure) if is_kept else None
+    bright: Row = (disc(300, 200), disc(150, 200)), Located(np.zeros(2), np.zeros(2), 0.1, ball)
+    dark: Row = (disc(300, 200, 80), disc(150, 200, 80)), Located(np.zeros(2), np.zeros(2), 0.1, box)
+    one, other = Reading([bright], [], None), Reading([dark], [], None)
+    joint = joined(one, other, one, RIG)
+    assert joint.kept == ([dark] if is_kept else [])
+    assert [each.reason for each in (joint.aside if is_kept else joint.unread)] == ["half_lit"]
+    assert not (joint.unread if is_kept else joint.aside)
