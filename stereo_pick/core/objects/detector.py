@@ -15,6 +15,7 @@ from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.background_files import load_background
 from stereo_pick.core.objects.beside import with_others, without_shadows
 from stereo_pick.core.objects.blob import MAX_CONCAVITY, Blob, Blobs
+from stereo_pick.core.objects.energy import contrast_energy, seen_by_both
 from stereo_pick.core.objects.exposure import view_fault, with_saturation
 from stereo_pick.core.objects.focus import is_out_of_focus
 from stereo_pick.core.objects.foreground import Contrast, contrast_with, foreground, measure_contrast
@@ -172,12 +173,12 @@ class Detector(Configurable):
 
     def _on_the_table(self, left: Contrast, right: Contrast) -> tuple[Contrast, Contrast, Blobs]:
         """What stands on the background of each view; or, where another surface covers much of a view, on that one if
-        clearly more does. Objects are seen in both views."""
+        clearly more does. Objects are seen in both views, and convex, as a rule."""
         sides = [surfaces(side, self.threshold_sigma) for side in (left, right)]
         if all(len(side) == 1 for side in sides):
             return left, right, self._best(left, right)
         ways = list(product(*sides))
-        seen = [_seen_by_both(self._best(*way)) for way in ways]
+        seen = [seen_by_both(self._best(*way), self.max_concavity) for way in ways]
         most = int(np.argmax(seen))
         table = ways[most] if seen[most] > _SAFE_LEAD * seen[0] else ways[0]
         one, other = (without_others(chosen, side) for chosen, side in zip(table, sides))
@@ -189,9 +190,9 @@ class Detector(Configurable):
         promise = {polarity: one[polarity] + other[polarity] for polarity in one}
         likely, unlikely = sorted(promise, key=lambda polarity: -promise[polarity])
         readings = {likely: self._read(left, right, likely)}
-        if _contrast_energy(readings[likely]) <= _SAFE_LEAD * promise[unlikely]:
+        if contrast_energy(readings[likely]) <= _SAFE_LEAD * promise[unlikely]:
             readings[unlikely] = self._read(left, right, unlikely)
-        return max((readings[polarity] for polarity in sorted(readings)), key=_contrast_energy)
+        return max((readings[polarity] for polarity in sorted(readings)), key=contrast_energy)
 
     def _read(self, left: Contrast, right: Contrast, polarity: str) -> Blobs:
         return Blobs(self._within_columns(self._find(left, polarity)), self._find(right, polarity), polarity)
@@ -247,17 +248,3 @@ class Detector(Configurable):
 
 def _within(place_px: float, first_px: int, size_px: int) -> bool:
     return size_px == 0 or first_px <= place_px < first_px + size_px
-
-
-def _contrast_energy(blobs: Blobs) -> float:
-    return _energy(blobs.left) + _energy(blobs.right)
-
-
-def _seen_by_both(blobs: Blobs) -> float:
-    return min(_energy(blobs.left), _energy(blobs.right))
-
-
-def _energy(blobs: tuple[Blob, ...]) -> float:
-    """At least so much is the sum of the squared contrasts of all pixels, of which half have the contrast and a tenth
-    the peak of their object: most of a body may be its dark side."""
-    return sum(blob.area_px2 * (0.4 * blob.contrast**2 + 0.1 * blob.peak**2) for blob in blobs if not blob.cut)

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from evaluate_surroundings import taken
 from families import staged
+from outlines import disc
+from rendering.rigs import BENCH_RIGS
 from rigs import RIGS
 
 from stereo_pick.core.arrays import Image
-from stereo_pick.core.objects import Detector
+from stereo_pick.core.objects import Blobs, Detector
+from stereo_pick.core.objects.blob import MAX_CONCAVITY
+from stereo_pick.core.objects.energy import seen_by_both
 from stereo_pick.core.objects.foreground import measure_contrast
 from stereo_pick.core.objects.surfaces import surfaces, without_others
 from stereo_pick.core.objects.view import View
@@ -63,3 +70,29 @@ def test_objects_are_found_wherever_the_table_ends(seed: int) -> None:
     for side in (blobs.left, blobs.right):
         assert sum(blob.fault in ("", "merged") for blob in side) >= len(truth.objects)
         assert not any(blob.cut for blob in side)
+
+
+def test_parts_stand_on_the_table_though_bold_prints_on_another_surface_show_more() -> None:
+    """The squares of a board had more contrast than all parts, which were one with their shadows then."""
+    rig_name, frame, truth = taken(None, ("thick_board", 4))
+    rig = BENCH_RIGS[rig_name]
+    blobs = Detector().detect(Rectifier(rig).rectify(frame))
+    assert blobs.polarity == "bright"
+    parts_m = np.array([each.centre_m for each in truth.objects if each.required])
+    for camera, side, xyz in (
+        (rig.left, blobs.left, parts_m),
+        (rig.right, blobs.right, rig.right_T_left.apply(parts_m)),
+    ):
+        expected = camera.rectified(camera.project(xyz))
+        found = np.array([blob.centroid_px for blob in side if not blob.cut])
+        off_px = np.linalg.norm(found[:, None] - expected, axis=2)
+        assert off_px.min(axis=0).max() < 20
+
+
+def test_what_both_views_show_counts_as_far_as_it_may_be_one_part() -> None:
+    whole, notched = disc(100, 100), disc(200, 100)
+    notched = replace(notched, contour_px=np.insert(notched.contour_px, 10, notched.contour_px.mean(axis=0), axis=0))
+    alone = seen_by_both(Blobs((whole,), (whole,), "bright"), MAX_CONCAVITY)
+    assert alone > 0
+    assert seen_by_both(Blobs((whole, notched), (whole, notched), "bright"), MAX_CONCAVITY) == alone
+    assert seen_by_both(Blobs((whole,), (notched,), "bright"), MAX_CONCAVITY) == 0
