@@ -37,6 +37,7 @@ _MAY_BE_MARKS = ("", "merged", "beside_bright")  # whatever speaks against an ob
 _LENS_PX = 0.03  # what is left of distortion is no noise
 _SIGMAS = 3.0
 _LOW = 1 / 3  # of their width, above a table: an object is higher
+_MOST_MARKS = 0.9  # part of them
 _NEAR_PX = 1.0  # of where the plane would have the centre of an outline
 
 
@@ -79,9 +80,10 @@ class Marks:
 
     def told_from(self, blobs: Blobs, similarity: Similarity) -> tuple[Blobs, list[Unread]]:
         """What may be objects if that plane is the table; and what is none: the marks, and what one view alone shows
-        and is no larger than they are."""
+        and is no larger than they are, but for the largest few: these may be the edge of a board, or several in one."""
         others = self.others(blobs)
-        alone = _alone(others, similarity, max(blob.area_px2 for each in self.pairs for blob in each))
+        most_px2 = float(np.quantile([blob.area_px2 for each in self.pairs for blob in each], _MOST_MARKS))
+        alone = _alone(others, similarity, most_px2)
         unread = [*(Unread("flat", *each) for each in self.pairs), *alone]
         return _without(others, frozenset(each.alone for each in alone if each.alone)), unread
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from evaluate_surroundings import scored
 from marks import first_of, more
+from outlines import disc
 from rendered_solids import RIG, rectified, table_of, true_fit
 from rendering import Box, Cylinder, Scene, Solid, Sphere, lamp_at, render_with_truth
 from rendering.printed import Board, Holes
@@ -97,6 +100,17 @@ def test_what_is_no_mark_stays_an_object_and_what_one_view_alone_shows_is_none_i
     assert alone and all(each.area_px2 <= largest_px2 for each in alone)
     before, after = len(blobs.left) + len(blobs.others.left), len(others.left) + len(others.others.left)
     assert before - after == sum(each.left is not None for each in unread)
+
+
+def test_one_large_mark_says_nothing_of_how_large_marks_are() -> None:
+    """The edge of a board counted as one, and a part that each view saw another piece of was none."""
+    (marks, *_), blobs = marks_of(rectified(RIG, scene_of(PARTS, OBLIQUE, HOLES)))
+    part = disc(40, 40, 25)
+    with_part = replace(blobs, left=(*blobs.left, part))
+    with_edge = replace(marks, pairs=[*marks.pairs, (disc(320, 240, 90), disc(300, 240, 90))])
+    for each in (marks, with_edge):
+        others, unread = each.told_from(with_part, Feature().similarity(RIG))
+        assert part in others.left and not any(one.left is part for one in unread)
 
 
 @pytest.mark.parametrize("part", PARTS, ids=["cylinder", "box", "sphere"])
