@@ -13,7 +13,6 @@ import pytest
 from family_scenes import found
 from family_scoring import SceneScore
 from mahalanobis import CHI2_3
-from marks import first_of, more
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.confidence import within
@@ -44,7 +43,7 @@ def fits(d2: Floats) -> bool:
     return bool(least < np.mean(d2 < CHI2_3[50]) < most and np.mean(d2 < CHI2_3[95]) > COVERED)
 
 
-@pytest.mark.parametrize("edge_radius_m", first_of(SHARP, BY_DEFAULT))
+@pytest.mark.parametrize("edge_radius_m", [SHARP, BY_DEFAULT])
 def test_errors_are_as_large_as_stated(edge_radius_m: float) -> None:
     assert len(squares(edge_radius_m)) > 50
     assert fits(squares(edge_radius_m))
@@ -71,7 +70,6 @@ def test_about_as_many_are_near_enough_as_confidence_says(tolerance_m: float) ->
     assert -PROMISED_TOO_LITTLE < promised_too_much(tolerance_m) < PROMISED_TOO_MUCH
 
 
-@more
 @pytest.mark.parametrize("tolerance_m", [0.0002, 0.0003, 0.0005, 0.001])
 def test_no_fewer_are_near_enough_where_edges_might_be_rounded(tolerance_m: float) -> None:
     assert promised_too_much(tolerance_m, edge_radius_m=BY_DEFAULT) < PROMISED_TOO_MUCH
