@@ -22,6 +22,7 @@ from formatting import Row, decimals, markdown_table
 from rendering import render
 from rendering.rigs import camera
 from scenes import find_bench_rig, load_scenes
+from speed_last_look import last_look_table
 from speed_ways import FLOOR, OURS, Way
 
 from stereo_pick.core.calibration.files import load_rig
@@ -66,6 +67,9 @@ def report(data: Path | None, rounds: int) -> str:
             "Four cylinders. CPU time of one thread from the rectified pair to positions: the median of the rounds in "
             f"which each way has its turn, then of the pairs. {versions}, {platform.machine()}.",
             table(tables),
+            "From the raw pair to poses, one scene of each of the [surroundings](surroundings.md), VGA, both settings "
+            "in turn:",
+            last_look_table(),
         ]
     )
 

@@ -75,6 +75,12 @@ class Feature(Method):
         "part, centimetres above the body's centre, and so does a print: what nothing shows to stand up is refused, "
         "unless this is set.",
     )
+    last_look: bool = parameter(
+        True,
+        "Whether what was refused is looked for once more, by all edges around it, once the table and the other "
+        "objects are known. Where there is much beside the parts, as prints, shadows and walls, that takes as long "
+        "again as all else (docs/speed.md); without it more is refused there.",
+    )
     edge_radius_m: float = parameter(
         0.0003,
         "How far the edges of parts are rounded: one sigma of their radius. Outlines hardly tell, and what is rounded "
@@ -124,7 +130,8 @@ class Feature(Method):
 
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         """Return the centres of matched objects, left to right in the left view."""
-        reader = Reader(_images(pair, blobs), self.similarity(pair.rig), self.ambiguity_margin, self.flat_parts)
+        similarity = self.similarity(pair.rig)
+        reader = Reader(_images(pair, blobs), similarity, self.ambiguity_margin, self.flat_parts, self.last_look)
         marked = self._on_marks(reader, blobs)
         if marked is not None:
             return marked

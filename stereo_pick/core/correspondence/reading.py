@@ -68,13 +68,14 @@ class Reading:
 
 @dataclass(frozen=True, eq=False)
 class Reader:
-    """images: the views; similarity: by how much an object may differ between them; ambiguity_margin, flat_parts: as
-    of `Feature`."""
+    """images: the views; similarity: by how much an object may differ between them; ambiguity_margin, flat_parts,
+    last_look: as of `Feature`."""
 
     images: Images
     similarity: Similarity
     ambiguity_margin: float
     flat_parts: bool
+    last_look: bool
 
     def look(self, blobs: Blobs) -> FirstLook:
         """Match the objects of both views, and find out where they are."""

@@ -112,7 +112,7 @@ def scene_on(reader: Reader, looks: FirstLooks, there: FoundTable | None, edge_r
         bright, dark = (reading, besides) if is_bright else (besides, reading)
         reading = joined(bright, dark, reading, reader.images.rig)
     is_known = there is not None and there.is_seen
-    together = adjusted_together(reader.images, reading, is_known, reader.flat_parts, edge_radius_m)
+    together = adjusted_together(reader, reading, is_known, edge_radius_m)
     return Scene(reading, together, is_known, looks.shaded)
 
 
@@ -127,7 +127,7 @@ def scene_on_found_table(reader: Reader, looks: FirstLooks, shaded: Shaded, edge
         doubted = looks.not_on(there)
         there = reader.table(doubted.first, doubted.kept_besides, shaded)
         return scene_on(reader, doubted, there, edge_radius_m)
-    if len(scene.standing) >= _SEVERAL:
+    if len(scene.standing) >= _SEVERAL or not reader.last_look:
         return scene
     return _scene_on_any(reader, looks, scene, shaded, edge_radius_m)
 

@@ -14,7 +14,7 @@ from stereo_pick.core.correspondence.last_look import LastLook, Seen
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import Row, may_have_dark_ends, with_dark_ends
-from stereo_pick.core.correspondence.reading import Reading
+from stereo_pick.core.correspondence.reading import Reader, Reading
 from stereo_pick.core.correspondence.rising_outline import rises_beside
 from stereo_pick.core.correspondence.second_thoughts import CREASED, WELL_SHOWN, is_flat_after_all, reconsidered
 from stereo_pick.core.correspondence.standing_out import stands_out
@@ -43,16 +43,13 @@ class Together:
         return self.warped.table if self.warped else None
 
 
-def adjusted_together(
-    images: Images, reading: Reading, known: bool, flat_parts: bool, edge_radius_m: float
-) -> Together:
+def adjusted_together(reader: Reader, reading: Reading, known: bool, edge_radius_m: float) -> Together:
     """The objects where all edges together put them that solids explain, if need be at a last look, and the others as
     they are.
 
-    known: whether the table is known without them; flat_parts: whether parts may be flat; edge_radius_m: one sigma of
-    how far their edges are rounded.
+    known: whether the table is known without them; edge_radius_m: one sigma of how far their edges are rounded.
     """
-    rows, table = reading.kept, reading.table
+    images, rows, table = reader.images, reading.kept, reading.table
     whole = [_with_dark_ends(images, row, rows) for row in rows]
     rest = [row for row in whole if row[1].fit is None or row[1].is_rough]
     solids = [row for row in whole if row not in rest]
@@ -69,7 +66,7 @@ def adjusted_together(
     seen = [(row, each) for row, each in zip(sound, found) if each.is_seen]
     open_ = [Unread("other_shape", *blobs) for blobs, _ in unlike] + list(reading.unread)
     warped = WarpedViews(images.pair, common) if common else None
-    seen, refused, rest = _looked_for_again(images, open_, reading.aside, seen, rest, astray, warped)
+    seen, refused, rest = _looked_for_again(reader, reading.aside, open_, seen, rest, astray, warped)
     exact = _exactly(images, seen, table if known else common, known, edge_radius_m)
     placed = placed_surely(images, seen, exact, table, warped)
     both = [(row, each) for row, (_, each) in zip(placed, seen)]
@@ -78,8 +75,8 @@ def adjusted_together(
     more += [row for row in _pieces(images, both, common) if row not in more]
     more += [row for row in _outgrown(images, both, fits, common) if row not in more]
     more += [row for row in _seen_through(both, warped) if row not in more]
-    flat = [] if flat_parts else [row for row in placed if is_flat_after_all(row, common)]
-    if warped is not None and not flat_parts:
+    flat = [] if reader.flat_parts else [row for row in placed if is_flat_after_all(row, common)]
+    if warped is not None and not reader.flat_parts:
         flat += _printed(warped, [(row, each) for row, each in both if row not in flat])
     refused += [Unread("flat", *blobs) for blobs, _ in flat]
     refused += [Unread("other_shape", *row[0]) for row in more if row not in flat]
@@ -116,9 +113,9 @@ def _exactly(
 
 
 def _looked_for_again(
-    images: Images,
-    open_: Sequence[Unread],
+    reader: Reader,
     aside: Sequence[Unread],
+    open_: Sequence[Unread],
     seen: Sequence[Seen],
     rest: Sequence[Row],
     astray: Sequence[Row],
@@ -128,12 +125,14 @@ def _looked_for_again(
     the rest is no solid."""
     if warped is None:
         return list(seen), list(open_), list(rest)
-    before = _known(seen)
+    images, before = reader.images, _known(seen)
     look = LastLook(images.as_rough_as(before), warped.table, before, [where for _, where in [*rest, *astray]])
     seen = _read_better(look, seen)
     before = _known(seen)
     look = replace(look, images=look.images.behind(before), before=before)
     found, rest = _read_again(look, seen, rest)
+    if not reader.last_look:
+        return found, list(open_), rest
     look = replace(look, besides=[where for _, where in [*rest, *astray]])
     return *found_after_all(images, look, open_, aside, found, warped), rest
 

@@ -14,6 +14,7 @@ from rendered_solids import FROM_ABOVE, PARTS, PLACED, RIG, centre_m, rectified,
 from rendering import Cylinder, Scene, Solid
 
 from stereo_pick.core.correspondence import evident, last_look
+from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.overlap import reach_into_each_other
@@ -71,6 +72,12 @@ def test_what_was_refused_is_found_by_the_edges_around_it(family: str, seed: int
     result = found(family, seed)
     assert {each.which: each.distance_m for each in result.found}[which] < 5e-4
     assert result.wrong == 0 and len(result.ghosts_m) == 0
+
+
+def test_without_a_last_look_what_was_refused_stays_so() -> None:
+    result = found("occluded", 240, Steps(method=Feature(last_look=False)))
+    assert result.missed == [1] and sum(result.refused.values()) == 1
+    assert result.wrong == 0
 
 
 def test_what_shows_nearly_all_of_its_silhouette_is_not_replaced_by_what_shows_less() -> None:

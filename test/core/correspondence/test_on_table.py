@@ -16,7 +16,7 @@ from stereo_pick.core.correspondence import feature
 from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.correspondence.found_table import TableSearch
 from stereo_pick.core.correspondence.position import by_solid
-from stereo_pick.core.correspondence.reading import Reading
+from stereo_pick.core.correspondence.reading import Reader, Reading
 from stereo_pick.core.correspondence.together import Together, adjusted_together
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.pipeline import Pipeline, Steps
@@ -121,9 +121,9 @@ def test_grain_on_which_nothing_stands_is_no_table(
     surface = Table(np.array(normal), offset + below_m, 5e-4)
     asked: list[bool] = []
 
-    def adjusted_there(images: Images, reading: Reading, known: bool, flat: bool, edge_radius_m: float) -> Together:
+    def adjusted_there(reader: Reader, reading: Reading, known: bool, edge_radius_m: float) -> Together:
         asked.append(known)
-        return adjusted_together(images, reading, known, flat, edge_radius_m)
+        return adjusted_together(reader, reading, known, edge_radius_m)
 
     monkeypatch.setattr(feature, "grained_table", lambda *_: surface)
     monkeypatch.setattr("stereo_pick.core.correspondence.scene.adjusted_together", adjusted_there)
