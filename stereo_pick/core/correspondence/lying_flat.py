@@ -44,14 +44,15 @@ class WarpedViews:
         known, and something does."""
         return self._all_lie(self.seen.beside(outline, solids))
 
-    def is_surely_all_of(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
-        """Whether it does, and the table is known so well there that a part as long would show if it stood up."""
-        return self._is_known_at(outline) and self.is_all_of(outline, solids)
+    def is_surely_all_of(self, outline: Blob, solids: Sequence[SolidFit], fit: SolidFit) -> bool:
+        """Whether it does, and the table is known so well there that a part as long would show if it stood up, and a
+        piece of one of the solids as thin as that is if it lay there."""
+        return self._is_known_at(outline) and self._would_show_piece_of(fit) and self.is_all_of(outline, solids)
 
     def is_surely_all_beside(self, fit: SolidFit, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether all that an outline in the left view shows clear of the solids, no farther from one of them than that
         is wide, lies on the table, which is known so well that it would show if it rose, and something does."""
-        if not self._is_known_for(float(fit.size_m.mean())):
+        if not self._is_known_for(float(fit.size_m.mean())) or not self._would_show_piece_of(fit):
             return False
         rig, seen = self.pair.rig, self.seen
         silhouette = fit.silhouettes(rig)[0]
@@ -165,6 +166,11 @@ class WarpedViews:
 
     def _is_known_for(self, length_m: float) -> bool:
         return bool(SIGMAS * self.table.sigma_m < _LOW * length_m)
+
+    def _would_show_piece_of(self, fit: SolidFit) -> bool:
+        """Whether what is as thin as a solid rises by more than the table may be mistaken, and by more than is open
+        then."""
+        return bool(2 * SIGMAS * self.table.sigma_m < float(fit.size_m.min()))
 
     @cached_property
     def seen(self) -> SeenTable:
