@@ -12,10 +12,10 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.kinds import BOX
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
-_TURNED_ALIKE = np.sin(np.deg2rad(1.5))
-_FLUSH = 0.02  # of the largest size, by which what is flush may be off
+_FLUSH = 0.02  # of the largest size, by which what is flush may be off ...
+_TURNED_ALIKE = 2 * _FLUSH  # ... from the middle of its largest size to the end: the sine of that angle
 _EQUAL = 0.1  # of the larger of two, by which the sizes of equal boxes may differ
-_MISSING = 1 / 3  # of the largest size, that may be hidden between two, or in the shadow
+_MISSING = 1 / 2  # of the largest size, that may be hidden between two, or in the shadow
 _BOTH_STAND = 1  # pair of faces that is flush where both stand on a table
 
 

@@ -51,12 +51,13 @@ class WarpedViews:
 
     def is_surely_all_beside(self, fit: SolidFit, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether all that an outline in the left view shows clear of the solids, no farther from one of them than that
-        is wide, lies on the table, which is known so well that it would show if it rose, and something does."""
+        is long, lies on the table, which is known so well that it would show if it rose, and something does: a plain
+        piece of it shows its edges only, the nearest of which may lie there."""
         if not self._is_known_for(float(fit.size_m.mean())) or not self._would_show_piece_of(fit):
             return False
         rig, seen = self.pair.rig, self.seen
         silhouette = fit.silhouettes(rig)[0]
-        reach_px = 2 * _half_width_px(rig.left, silhouette, seen.scale)
+        reach_px = _length_px(rig.left, silhouette, seen.scale)
         near = seen.beside(outline, solids) & (within_px(seen.left, rig.left, silhouette, seen.scale) > -reach_px)
         return self._all_lie(near)
 
@@ -184,6 +185,12 @@ def _in_an_end(fit: SolidFit, places_m: Floats) -> Bools:
         return np.zeros(len(places_m), bool)
     along_m = np.abs((places_m - fit.centre_m) @ fit.rotation[:, 2])
     return np.asarray(along_m > _END * fit.size_m[2] / 2, np.bool_)
+
+
+def _length_px(camera: Camera, polygon: Floats, scale: float) -> float:
+    """How long a silhouette (K, 2), normalized, is in a reduced view, at most."""
+    apart = np.linalg.norm(polygon[:, None] - polygon, axis=2)
+    return float(apart.max() * camera.P[0, 0] * scale)
 
 
 def _half_width_px(camera: Camera, polygon: Floats, scale: float) -> float:

@@ -101,6 +101,14 @@ def test_what_rises_far_from_a_solid_is_no_piece_of_it(away_px: float, sigma_m: 
     assert warped.is_surely_all_beside(one, board, [one]) == lies
 
 
+@pytest.mark.parametrize(("long", "lies"), [(1.0, True), (2.4, False)])
+def test_a_piece_of_a_long_solid_may_be_as_far_from_it_as_that_is_long(long: float, lies: bool) -> None:
+    """Of a bracket's foot, as black as its wall, the nearest edge that showed was the one on which it stood."""
+    warped, middle = WarpedViews(raised(0.01), MEASURED), ball(25.0, 180.0)
+    wall = replace(middle, kind="box", size_m=middle.size_m * (long, 0.6, 0.6))
+    assert warped.is_surely_all_beside(wall, outline(220.0), [wall]) == lies
+
+
 @pytest.mark.parametrize(("height_m", "through"), [(0.0, True), (0.004, False), (0.04, False)])
 def test_the_table_shows_through_what_is_no_solid(height_m: float, through: bool) -> None:
     warped = WarpedViews(raised(height_m), MEASURED)
