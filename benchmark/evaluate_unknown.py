@@ -34,6 +34,7 @@ _KNOWN = 2  # parts of known shapes in each scene
 _GAP_PX = 10.0
 _NEAR_M = 0.005  # beyond a part, within which a pose is taken to be one of it
 _SCENE_TRIES = 60
+_SURE = 0.99  # confidence
 Job = tuple[str, str, int]
 _PARTS = {"bright": BRIGHT, "dark": (0.05, 0.25)}  # albedos
 _PAPER = (0.65, 0.85)  # of what dark parts lie on
@@ -42,12 +43,13 @@ _TITLES = {"bright": "Bright parts on a darker table:", "dark": "Dark parts on l
 
 @dataclass(frozen=True)
 class Scored:
-    """off_m, mahalanobis2: of each pose within the part, against the centre of its volume; known, found: how many parts
-    of known shapes there are beside it, and are within WRONG_M of where they are."""
+    """off_m, mahalanobis2: of each pose within the part, against the centre of its volume; confidence: of each; known,
+    found: how many parts of known shapes there are beside it, and are within WRONG_M of where they are."""
 
     shape: str
     off_m: tuple[float, ...]
     mahalanobis2: tuple[float, ...]
+    confidence: tuple[float, ...]
     known: int
     found: int
 
@@ -77,11 +79,11 @@ def scored(job: Job) -> Scored:
         raise RuntimeError(f"{shape} {seed}: the parts find no room")
     frame, truth = scene.taken()
     poses = Pipeline(scene.rig, steps({})).run(frame).poses
-    off_m, surprise = _held_against(poses, centre_m, reach_m)
+    of_part = _held_against(poses, centre_m, reach_m)
     known_m = truth.centres_m[-_KNOWN:]
     apart_m = np.linalg.norm(poses.xyz[:, None] - known_m, axis=2)
     found = int((apart_m.min(axis=0, initial=np.inf) < WRONG_M).sum())
-    return Scored(shape, off_m, surprise, len(known_m), found)
+    return Scored(shape, *of_part, len(known_m), found)
 
 
 def _staged(random: Random, shape: str, light: str) -> tuple[Staged, Floats, float]:
@@ -102,12 +104,12 @@ def _staged(random: Random, shape: str, light: str) -> tuple[Staged, Floats, flo
     )
 
 
-def _held_against(poses: ObjectPoses, centre_m: Floats, reach_m: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _held_against(poses: ObjectPoses, centre_m: Floats, reach_m: float) -> tuple[tuple[float, ...], ...]:
     off = poses.xyz - centre_m
     away_m = np.linalg.norm(off, axis=1)
     near = away_m < reach_m + _NEAR_M
     surprise = [each @ np.linalg.solve(spread, each) for each, spread in zip(off[near], poses.covariance[near])]
-    return tuple(away_m[near].tolist()), tuple(float(one) for one in surprise)
+    return tuple(away_m[near].tolist()), tuple(float(one) for one in surprise), tuple(poses.confidence[near].tolist())
 
 
 def _report(jobs: Sequence[Job], scores: Sequence[Scored]) -> str:
@@ -124,7 +126,7 @@ def _table(scores: Sequence[Scored], shapes: Sequence[str]) -> str:
     rows = [_row(shape, [one for one in scores if one.shape == shape]) for shape in shapes]
     header = (
         "shape", "scenes", "refused", "poses", "off, median [mm]", "not admitted", "over 5 mm", "not admitted of these",
-        "known parts found beside",
+        "sure poses", "over 5 mm of these", "known parts found beside",
     )  # fmt: skip
     return markdown_table(header, [*rows, _row("all", scores)])
 
@@ -133,13 +135,15 @@ def _row(name: str, scores: Sequence[Scored]) -> list[str]:
     off_m = [off for one in scores for off in one.off_m]
     surprises = [surprise for one in scores for surprise in one.mahalanobis2]
     wrong = [surprise for off, surprise in zip(off_m, surprises) if off > WRONG_M]
+    sure_m = [off for one in scores for off, confidence in zip(one.off_m, one.confidence) if confidence >= _SURE]
     return [
         name,
         str(len(scores)),
         str(sum(not one.off_m for one in scores)),
         str(len(off_m)),
         decimals(1000 * median(off_m), 1) if off_m else "–",
-        *(str(count) for count in (_not_admitted(surprises), len(wrong), _not_admitted(wrong))),
+        *(str(count) for count in (_not_admitted(surprises), len(wrong), _not_admitted(wrong), len(sure_m))),
+        str(sum(off > WRONG_M for off in sure_m)),
         f"{sum(one.found for one in scores)} of {sum(one.known for one in scores)}",
     ]
 

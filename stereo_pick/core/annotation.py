@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
@@ -10,28 +12,30 @@ from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.poses import ObjectPoses
+from stereo_pick.core.refusal import Refusal
 
 _FOUND, _REFUSED, _ROW, _TEXT = (80, 220, 80), (60, 60, 240), (120, 120, 60), (255, 255, 255)
 _SUBPIXEL_BITS = 4
+_SAME_PX = 0.1  # places that went to the raw view and back
 
 
 def annotate(pair: RectifiedPair, blobs: Blobs, found: Correspondences, poses: ObjectPoses | None = None) -> Image:
     """Return a BGR picture (H, 2 W, 3) of the left and the right view side by side.
 
     Matched objects are green with their number (and position [mm], where poses are given) on their common row,
-    what was refused is red with the reason.
+    what was refused is red with the reason. Numbers are those of the poses, where these are given.
     """
     left, right = (np.asarray(cv2.cvtColor(view, cv2.COLOR_GRAY2BGR), np.uint8) for view in (pair.left, pair.right))
     refused = poses.refused if poses is not None else found.refused
+    kept = [index for index, point in enumerate(found.left_px) if not _is_refused(point, refused)]
     for canvas, side in ((left, "left"), (right, "right")):
         bad = [(point, refusal.reason) for refusal in refused if (point := getattr(refusal, f"{side}_px")) is not None]
-        _outlines(canvas, blobs, side, [point for point, _ in bad], getattr(found, f"{side}_px"))
+        _outlines(canvas, blobs, side, [point for point, _ in bad], getattr(found, f"{side}_px")[kept])
         for point, reason in bad:
             _write(canvas, point, [reason], _REFUSED)
     picture: Image = np.hstack([left, right])
     shift = np.array([pair.left.shape[1], 0.0])
-    labels = _labels(len(found), poses)
-    for index, label in enumerate(labels):
+    for index, label in zip(kept, _labels(len(kept), poses)):
         start, end = found.left_px[index], found.right_px[index] + shift
         cv2.line(picture, _whole(start), _whole(end), _ROW, 1, cv2.LINE_AA)
         for point in (start, end):
@@ -41,10 +45,17 @@ def annotate(pair: RectifiedPair, blobs: Blobs, found: Correspondences, poses: O
     return picture
 
 
+def _is_refused(point_px: Floats, refused: Sequence[Refusal]) -> bool:
+    """Whether a match was refused once its position was known."""
+    return any(each.left_px is not None and np.abs(each.left_px - point_px).max() < _SAME_PX for each in refused)
+
+
 def _outlines(canvas: Image, blobs: Blobs, side: str, refused_px: list[Floats], found_px: Floats) -> None:
     """Those of the other polarity only where one was found or refused: most are shadows and prints."""
     for blob in getattr(blobs, side):
-        _outline(canvas, blob, _REFUSED if any(_at(blob, point) for point in refused_px) else _FOUND)
+        is_found = any(_holds(blob, point) for point in found_px)
+        is_bad = any(_at(blob, point) or (not is_found and _holds(blob, point)) for point in refused_px)
+        _outline(canvas, blob, _REFUSED if is_bad else _FOUND)
     for blob in getattr(blobs.others, side) if blobs.others else ():
         if any(_at(blob, point) for point in refused_px):
             _outline(canvas, blob, _REFUSED)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,8 +26,9 @@ class ObjectPoses:
     into the table; size_m: (N, 3), length, width and height; kinds: N of `extent.KINDS`. Where no solid explains an
     object, length and width are those of its outline as the left camera sees it, and the height is 0.
     covariance: (N, 3, 3) [m²]; ray_gap: (N,) [m]; left_px, right_px: (N, 2) in the raw images [px].
-    tolerance_m: how far off a position may be for the pick to succeed. covariance_of: whose uncertainty the covariance
-    contains. `positioning` may move xyz and covariance to the frame `frame_id` (else empty), into which frame_R_camera
+    tolerance_m: how far off a position may be for the pick to succeed; min_confidence: the least with which one is to
+    be published, once its covariance is whole. covariance_of: whose uncertainty the covariance contains. `positioning`
+    may move xyz and covariance to the frame `frame_id` (else empty), into which frame_R_camera
     (3, 3) turns from the left optical one; rotation stays.
     """
 
@@ -41,6 +42,7 @@ class ObjectPoses:
     left_px: Floats
     right_px: Floats
     tolerance_m: float
+    min_confidence: float = 0.0
     refused: tuple[Refusal, ...] = ()
     covariance_of: tuple[str, ...] = ("image",)
     frame_id: str = ""
@@ -63,6 +65,23 @@ class ObjectPoses:
     def confidence(self) -> Floats:
         """The probability (N,), by the covariance, that a position is off by no more than tolerance_m."""
         return frozen(within(self.covariance, self.tolerance_m))
+
+    def confident(self, rig: StereoRig) -> ObjectPoses:
+        """Those of at least min_confidence; the others are refused. rig: it located them."""
+        enough = self.confidence >= self.min_confidence
+        if enough.all():
+            return self
+        unsure, kept = np.flatnonzero(~enough), np.flatnonzero(enough)
+        left_px, right_px = rig.left.rectified(self.left_px[unsure]), rig.right.rectified(self.right_px[unsure])
+        details = [f"{self.confidence[i]:.3f} to be within {self.tolerance_m * 1000:g} mm" for i in unsure]
+        refused = [Refusal("low_confidence", *each) for each in zip(left_px, right_px, details)]
+        of_each = ("xyz", "rotation", "size_m", "covariance", "ray_gap", "left_px", "right_px")
+        return replace(
+            self,
+            **{name: getattr(self, name)[kept] for name in of_each},
+            kinds=tuple(self.kinds[i] for i in kept),
+            refused=(*self.refused, *refused),
+        )
 
     def quaternions(self) -> Floats:
         """Orientations (N, 4) as x, y, z, w, in the frame."""
@@ -94,6 +113,7 @@ def estimate_poses(points: Points, correspondences: Correspondences, rig: Stereo
         left_px=rig.left.unrectified(left_px),
         right_px=rig.right.unrectified(right_px),
         tolerance_m=points.tolerance_m,
+        min_confidence=points.min_confidence,
         refused=points.refused,
     )
 

@@ -40,11 +40,12 @@ class Positioning:
             )
 
     def place(self, poses: ObjectPoses, rig: StereoRig) -> ObjectPoses:
-        """Add the calibration's covariance where the record is of this rig, then go over to the hand-eye's frame."""
+        """Add the calibration's covariance where the record is of this rig, then go over to the hand-eye's frame; then
+        refuse what is not known with the confidence that is asked for."""
         if self.record is not None and self.is_of(rig):
             grown = poses.covariance + self.record.uncertainty.point_covariance(poses.xyz)
             poses = replace(poses, covariance=grown, covariance_of=(*poses.covariance_of, "calibration"))
-        return poses if self.hand_eye is None else _moved(poses, self.hand_eye)
+        return (poses if self.hand_eye is None else _moved(poses, self.hand_eye)).confident(rig)
 
 
 def _moved(poses: ObjectPoses, framed: FramedHandEye) -> ObjectPoses:

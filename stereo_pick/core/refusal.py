@@ -36,6 +36,7 @@ REASONS = {
     "out_of_focus": "not even the sharpest part of its outline is sharp enough to be placed",
     "uneven": "the background varies so much that most objects could not be told from it",
     "shaded": "it is dark, no solid explains it and no table is known: its shadow may be a part of its outline",
+    "low_confidence": "its position is less sure than min_confidence asks for",
 }
 """Every reason for a refusal, and what it means."""
 

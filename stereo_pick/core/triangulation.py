@@ -26,7 +26,7 @@ class Points:
 
     xyz: (N, 3) [m]; covariance: (N, 3, 3) [m²]; ray_gap: (N,), distance of the two rays [m];
     row: (N,), the row of `Correspondences` each came from; tolerance_m: how far off one may be for the pick to succeed;
-    refused: all that gave no position, so far.
+    refused: all that gave no position, so far; min_confidence: the least with which one is to be published.
     """
 
     xyz: Floats
@@ -35,6 +35,7 @@ class Points:
     row: Ints
     tolerance_m: float
     refused: tuple[Refusal, ...] = ()
+    min_confidence: float = 0.0
 
     def __post_init__(self) -> None:
         count = len(self.row)
@@ -60,6 +61,13 @@ class Triangulator(Configurable):
         low=0.0001,
         high=0.1,
     )
+    min_confidence: float = parameter(
+        0.0,
+        "Confidence from which an object gets a pose; what has less is refused (low_confidence). Poses alone do not "
+        "carry theirs: set it, as to 0.99, where a controller reads nothing else.",
+        low=0.0,
+        high=1.0,
+    )
 
     def triangulate(self, correspondences: Correspondences, rig: StereoRig) -> Points:
         """Return the positions whose rays meet in front of both cameras within max_ray_gap_m."""
@@ -82,7 +90,8 @@ class Triangulator(Configurable):
         )
         covariance = _covariance(left_px, right_px, correspondences.sigma_px, rig)
         covariance = covariance + rig.left.R.T @ correspondences.covariance @ rig.left.R
-        return Points((left + right)[row] / 2, covariance[row], gap[row], row, self.tolerance_m, refused)
+        middle = (left + right)[row] / 2
+        return Points(middle, covariance[row], gap[row], row, self.tolerance_m, refused, self.min_confidence)
 
 
 def _covariance(left_px: Floats, right_px: Floats, sigma_px: Floats, rig: StereoRig) -> Floats:

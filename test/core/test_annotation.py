@@ -50,6 +50,14 @@ def test_positions_are_written_where_there_are_some() -> None:
     assert not np.array_equal(annotate(PAIR, BLOBS, FOUND, poses), annotate(PAIR, BLOBS, FOUND))
 
 
+def test_what_is_refused_once_its_position_is_known_is_red_and_has_no_number() -> None:
+    poses = estimate_poses(Triangulator(min_confidence=1.0).triangulate(FOUND, PARALLEL), FOUND, PARALLEL, 0)
+    sure = annotate(PAIR, BLOBS, FOUND, poses)
+    unsure = annotate(PAIR, BLOBS, FOUND, poses.confident(PARALLEL))
+    assert greenness(sure, 200, 130) > 50 and greenness(unsure, 200, 130) < -50
+    np.testing.assert_array_equal(unsure[250:350], sure[250:350])  # another object, refused in both
+
+
 def test_the_pair_stays_as_it_is() -> None:
     before = PAIR.left.tobytes(), PAIR.right.tobytes()
     annotate(PAIR, BLOBS, FOUND)

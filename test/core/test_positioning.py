@@ -174,6 +174,26 @@ def matrix(quaternion_xyzw: np.ndarray) -> np.ndarray:
     return (w * w - v @ v) * np.eye(3) + 2 * np.outer(v, v) + 2 * w * cross
 
 
+@pytest.mark.parametrize("hand_eye", [None, framed(BASE_T_CAMERA)], ids=["camera", "base"])
+def test_what_is_less_sure_than_asked_for_is_refused_by_its_whole_covariance(
+    result: CalibrationResult, poses: ObjectPoses, hand_eye: FramedHandEye | None
+) -> None:
+    positioning = Positioning(record(result), hand_eye)
+    every = positioning.place(poses, result.rig)
+    least = float(poses.confidence.min())  # the image alone would let all pass
+    some = positioning.place(replace(poses, min_confidence=least), result.rig)
+    sure = every.confidence >= least
+    assert 0 < len(some) < len(every)
+    np.testing.assert_array_equal(some.confidence, every.confidence[sure])
+    for name in ("xyz", "rotation", "size_m", "covariance", "ray_gap", "left_px", "right_px"):
+        np.testing.assert_array_equal(getattr(some, name), getattr(every, name)[sure])
+    assert [each.reason for each in some.refused] == ["low_confidence"] * int((~sure).sum())
+    seen_px = result.rig.left.unrectified(np.array([each.left_px for each in some.refused]))
+    np.testing.assert_allclose(seen_px, every.left_px[~sure], atol=1e-3)
+    for each, confidence in zip(some.refused, every.confidence[~sure]):
+        assert f"{confidence:.3f}" in each.detail and "5 mm" in each.detail
+
+
 def test_without_objects_nothing_goes_wrong(result: CalibrationResult) -> None:
     nothing = Steps().locate(matched(np.zeros((0, 2)), np.zeros((0, 2))), result.rig, 0)
     placed = Positioning(record(result), framed(BASE_T_CAMERA)).place(nothing, result.rig)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import rigs
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ros_tools import Graph, reserved_domain
 from sensor_msgs.msg import CompressedImage
@@ -586,6 +587,23 @@ def test_triangulation_tells_of_rays_that_do_not_meet_and_publishes_an_empty_arr
     cameras.until(lambda: send(0.0), told(graph, "triangulation", OK, "2 objects located"), "good ones")
     graph.wait(lambda: len(poses[-1].poses) == 2, "two poses")
     assert [round(pose.position.z, 6) for pose in poses[-1].poses] == [1.0, 1.0]
+
+
+def test_triangulation_tells_that_most_positions_are_less_sure_than_asked_for(graph: Graph) -> None:
+    node = graph.host(TriangulationNode(graph.context))
+    node.set_parameters([Parameter("triangulation.min_confidence", value=1.0)])
+    poses, cameras = graph.listen(OBJECT_POSES), Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT)
+    table = graph.publisher(CORRESPONDENCES)
+
+    def send() -> None:
+        for side in SIDES:
+            cameras.info(side, getattr(RIG, side))
+        table.publish(correspondences_message(_rows(RIG, 0.0), cameras.stamp_ns, "left_eye"))
+        cameras.stamp_ns += STEP_NS
+
+    unsure = told(graph, "triangulation", WARN, "2 positions are less sure than triangulation.min_confidence = 1")
+    cameras.until(send, unsure, "that they are unsure")
+    assert poses and all(len(message.poses) == 0 for message in poses)
 
 
 def test_triangulation_takes_what_was_long_looked_for_in_the_images_of_fast_cameras(graph: Graph) -> None:

@@ -69,6 +69,13 @@ class TriangulationNode(JoinedNode):
         if refused.get("ray_gap", 0) > len(self._last):
             message = f"the rays of {refused['ray_gap']} objects do not meet: has a camera moved since its calibration?"
             return Status(ERROR, message, values)
+        if refused.get("low_confidence", 0) > len(self._last):
+            message = (
+                f"{refused['low_confidence']} positions are less sure than triangulation.min_confidence = "
+                f"{self._last.min_confidence:g}: look at the covariances, with min_confidence 0; is tolerance_m = "
+                f"{self._last.tolerance_m:g} less than the gripper needs?"
+            )
+            return Status(WARN, message, values)
         if self._positioning.record is not None and "calibration" not in self._last.covariance_of:
             stated = self._positioning.record.calibration_hash
             message = (
