@@ -24,6 +24,11 @@ def are_flush(one: SolidFit, other: SolidFit, *, touch: bool) -> bool:
     sizes, and are flush in more than how they stand; touch: whether their outlines do, in both views."""
     if one.kind != BOX.name or other.kind != BOX.name:
         return False
+    return any(_is_flush_to(*pair, touch) for pair in ((one, other), (other, one)))  # each is turned a little
+
+
+def _is_flush_to(one: SolidFit, other: SolidFit, touch: bool) -> bool:
+    """The same of two boxes by the faces of the first."""
     turn = np.abs(one.rotation.T @ other.rotation)
     order = turn.argmax(axis=1)
     if turn.max(axis=1).min() < np.sqrt(1 - _TURNED_ALIKE**2):

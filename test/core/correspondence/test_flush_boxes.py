@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -63,6 +65,13 @@ def test_a_short_stem_may_be_found_turned_by_as_much_as_what_is_flush_is_off() -
     """One of 36 mm, half of it hidden, was turned by 1.7 degrees: both were published, 10 mm off and sure of it."""
     turned = standing(0.0275, 0.0, (0.036, 0.014, 0.03), turned_deg=1.8)
     assert are_flush(BAR, turned, touch=True) and are_flush(turned, BAR, touch=True)
+
+
+def test_what_is_flush_to_one_of_two_is_flush_to_both() -> None:
+    """Each is turned a little, so that its faces are off by another amount from those of the other."""
+    long = box((0.0, 0.0, 1.0), (0.0147, 0.0478, 0.0264))
+    short = replace(box((0.0248, 0.0, 1.0005), (0.0309, 0.0146, 0.0253)), rotation=rotation((0.0, -0.0081, 0.0)))
+    assert are_flush(long, short, touch=True) and are_flush(short, long, touch=True)
 
 
 def test_a_piece_may_be_hidden_between_what_touches_in_both_views_or_is_flush_on_both_sides() -> None:
