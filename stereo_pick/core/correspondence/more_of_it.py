@@ -23,7 +23,6 @@ from stereo_pick.core.objects.beside import are_beside
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
-_TOUCHES_PX = 2.0
 _SHADE = "beside_bright"
 
 
@@ -61,7 +60,7 @@ def _or_both(row: Row, rows: Sequence[Row]) -> Row:
 
 def _touch(one: BlobPair, other: BlobPair) -> bool:
     """Whether two objects touch in both views."""
-    return all(are_beside(*each, _TOUCHES_PX) for each in zip(one, other))
+    return all(are_beside(*each) for each in zip(one, other))
 
 
 def _as_unsure(

@@ -45,6 +45,12 @@ def test_what_does_not_touch_in_both_views_is_something_else(away: tuple[float, 
     assert not added(away).any()
 
 
+@pytest.mark.parametrize(("gap_px", "is_piece"), [(4.0, True), (6.0, False)])
+def test_where_outlines_were_cut_apart_blur_is_left_between_them(gap_px: float, is_piece: bool) -> None:
+    away = 2 + gap_px / RADIUS_PX
+    assert added((away, away)).any() == is_piece
+
+
 def test_a_piece_of_what_the_solid_explains_moves_nothing() -> None:
     assert not added((0.5, 0.5), 0.5).any()
 
