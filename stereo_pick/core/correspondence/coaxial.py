@@ -7,16 +7,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.kinds import CYLINDER, HEX_PRISM
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _WITH_AXIS = CYLINDER.name, HEX_PRISM.name
 _TURNED_ALIKE = np.sin(np.deg2rad(1.5))
+_UPRIGHT = np.cos(np.deg2rad(5))
 _OFF = 0.02  # of the largest size: from the axis, and between the ends
 
 
-def are_coaxial(one: SolidFit, other: SolidFit) -> bool:
-    """Whether two cylinders or hexagonal prisms have one axis, and the second begins where the first ends."""
+def are_coaxial(one: SolidFit, other: SolidFit, up: Floats | None = None) -> bool:
+    """Whether two cylinders or hexagonal prisms have one axis, and the second begins where the first ends; or, where
+    that axis is upright, anywhere beyond that: nothing hangs above another one. up: (3,), of the table, if known."""
     if one.kind not in _WITH_AXIS or other.kind not in _WITH_AXIS:
         return False
     axis, apart_m = one.rotation[:, 2], other.centre_m - one.centre_m
@@ -25,4 +28,5 @@ def are_coaxial(one: SolidFit, other: SolidFit) -> bool:
     if float(np.linalg.norm(np.cross(axis, other.rotation[:, 2]))) > _TURNED_ALIKE or beside_m > off_m:
         return False
     gap_m = abs(float(axis @ apart_m)) - float(one.size_m[2] + other.size_m[2]) / 2
-    return abs(gap_m) < off_m
+    is_upright = up is not None and abs(float(axis @ up)) > _UPRIGHT
+    return -off_m < gap_m and (is_upright or gap_m < off_m)

@@ -40,10 +40,11 @@ def as_unsure_as_whole(
             return False
         return warped.is_surely_all_of(pair[0], fits, fit) or warped.is_surely_all_beside(fit, pair[0], fits)
 
-    return [_as_unsure(_or_both(row, rows), others, rig, lies_flat) for row in rows]
+    up = warped.table.normal if warped else None
+    return [_as_unsure(_or_both(row, rows, up), others, rig, lies_flat) for row in rows]
 
 
-def _or_both(row: Row, rows: Sequence[Row]) -> Row:
+def _or_both(row: Row, rows: Sequence[Row], up: Floats | None) -> Row:
     """The same, which may be one with another box that touches it, or with what has the same axis."""
     blobs, where = row
     fit = where.fit
@@ -53,7 +54,7 @@ def _or_both(row: Row, rows: Sequence[Row]) -> Row:
         moved_m(fit, other.fit)
         for pair, other in rows
         if other.fit is not None
-        and (are_coaxial(fit, other.fit) or are_flush(fit, other.fit, touch=_touch(blobs, pair)))
+        and (are_coaxial(fit, other.fit, up) or are_flush(fit, other.fit, touch=_touch(blobs, pair)))
     ]
     return blobs, replace(where, covariance=where.covariance + max(off_m, default=0.0) ** 2 * np.eye(3))
 

@@ -54,6 +54,20 @@ def test_what_only_stands_on_another_is_not(other: SolidFit) -> None:
     assert not are_coaxial(BODY, other) and not are_coaxial(other, BODY)
 
 
+@pytest.mark.parametrize("above_m", [0.0, 0.002, 0.01])
+def test_nothing_hangs_above_another_but_a_piece_of_it(above_m: float) -> None:
+    """The wide end of a turned part was found too short, 9 mm above the thin one, which was surely 16 mm off."""
+    wide, up = standing(0.03 + above_m, 0.06, 0.015), np.array([0.0, 0.0, -1.0])
+    assert are_coaxial(BODY, wide, up) and are_coaxial(wide, BODY, up)
+    assert not are_coaxial(BODY, standing(0.03 + above_m, 0.06, 0.015, x_m=0.003), up)
+    assert not are_coaxial(BODY, BODY, up)
+
+
+def test_rods_that_lie_in_a_row_are_not() -> None:
+    up = np.array([0.0, -1.0, 0.0])  # as that of a wall on which they stand
+    assert not are_coaxial(BODY, standing(0.04, 0.045, 0.03), up)
+
+
 def test_a_step_that_is_found_as_two_cylinders_is_neither_surely() -> None:
     """They were 6 and 22 mm from the centre of it, with a sigma of tenths."""
     scored = evaluate_unknown.scored(("dark", "step", 9))
