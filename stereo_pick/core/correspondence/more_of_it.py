@@ -47,16 +47,15 @@ def as_unsure_as_whole(
 def _or_both(row: Row, rows: Sequence[Row], up: Floats | None) -> Row:
     """The same, which may be one with another box that touches it, or with what has the same axis."""
     blobs, where = row
-    fit = where.fit
-    if fit is None:
-        return row
-    off_m = [
-        moved_m(fit, other.fit)
-        for pair, other in rows
-        if other.fit is not None
-        and (are_coaxial(fit, other.fit, up) or are_flush(fit, other.fit, touch=_touch(blobs, pair)))
-    ]
-    return blobs, replace(where, covariance=where.covariance + max(off_m, default=0.0) ** 2 * np.eye(3))
+    fit, off_m = where.fit, [0.0]
+    for pair, other in rows:
+        if fit is None or other.fit is None or other.fit is fit:
+            continue
+        open_m = float(np.sqrt(np.linalg.eigvalsh(where.covariance + other.covariance).max()))
+        touch = _touch(blobs, pair)
+        if are_coaxial(fit, other.fit, up, open_m) or are_flush(fit, other.fit, touch=touch, open_m=open_m):
+            off_m.append(moved_m(fit, other.fit))
+    return blobs, replace(where, covariance=where.covariance + max(off_m) ** 2 * np.eye(3))
 
 
 def _touch(one: BlobPair, other: BlobPair) -> bool:

@@ -67,6 +67,13 @@ def test_a_short_stem_may_be_found_turned_by_as_much_as_what_is_flush_is_off() -
     assert are_flush(BAR, turned, touch=True) and are_flush(turned, BAR, touch=True)
 
 
+@pytest.mark.parametrize("open_m", [0.0, 0.001])
+def test_what_is_open_of_where_boxes_are_is_open_of_whether_they_are_flush(open_m: float) -> None:
+    """The foot of a bracket was turned by 3 degrees, and known to 3 mm only."""
+    turned = standing(0.0275, 0.0, (0.036, 0.014, 0.03), turned_deg=3.0)
+    assert are_flush(BAR, turned, touch=True, open_m=open_m) == (open_m > 0)
+
+
 def test_what_is_flush_to_one_of_two_is_flush_to_both() -> None:
     """Each is turned a little, so that its faces are off by another amount from those of the other."""
     long = box((0.0, 0.0, 1.0), (0.0147, 0.0478, 0.0264))

@@ -59,12 +59,7 @@ def test_a_piece_of_what_the_solid_explains_moves_nothing() -> None:
     ("thick_m", "yaw_rad"),
     [
         *first_of(*((0.008, yaw_rad) for yaw_rad in (0.3, 1.2, 2.1, 2.9))),
-        *first_of(*((0.012, yaw_rad) for yaw_rad in (2.1, 0.3, 2.9))),
-        pytest.param(
-            0.012,
-            1.2,
-            marks=pytest.mark.xfail(reason="its foot is found half as long again, its wall on it", strict=True),
-        ),
+        *first_of(*((0.012, yaw_rad) for yaw_rad in (1.2, 2.1, 0.3, 2.9))),
     ],
 )
 def test_an_angle_bracket_is_not_placed_surely_at_one_of_its_flanges(thick_m: float, yaw_rad: float) -> None:
