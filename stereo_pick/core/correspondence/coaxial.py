@@ -21,12 +21,13 @@ def are_coaxial(one: SolidFit, other: SolidFit, up: Floats | None = None, open_m
     """Whether two cylinders or hexagonal prisms have one axis, and the second begins where the first ends; or, where
     that axis is upright, anywhere beyond that: nothing hangs above another one.
 
-    up: (3,), of the table, if known; open_m: how far off either may be.
+    up: (3,), of the table, if known; open_m: how far off either may be, of which no more counts than as much again.
     """
     if one.kind not in _WITH_AXIS or other.kind not in _WITH_AXIS:
         return False
     axis, apart_m = one.rotation[:, 2], other.centre_m - one.centre_m
-    off_m = _OFF * float(max(one.size_m.max(), other.size_m.max())) + open_m
+    usual_m = _OFF * float(max(one.size_m.max(), other.size_m.max()))
+    off_m = usual_m + min(open_m, usual_m)
     beside_m = float(np.linalg.norm(np.cross(axis, apart_m)))
     if float(np.linalg.norm(np.cross(axis, other.rotation[:, 2]))) > _TURNED_ALIKE or beside_m > off_m:
         return False

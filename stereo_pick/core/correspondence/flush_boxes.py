@@ -21,7 +21,7 @@ _BOTH_STAND = 1  # pair of faces that is flush where both stand on a table
 def are_flush(one: SolidFit, other: SolidFit, *, touch: bool, open_m: float = 0.0) -> bool:
     """Whether two boxes are next to each other, or reach into each other, with parallel faces, though of different
     sizes, and are flush in more than how they stand; touch: whether their outlines do, in both views; open_m: how far
-    off either may be."""
+    off either may be, of which no more counts than as much again: a sure one is not doubted for what is not."""
     if one.kind != BOX.name or other.kind != BOX.name:
         return False
     return any(_is_flush_to(*pair, touch, open_m) for pair in ((one, other), (other, one)))  # each is turned a little
@@ -30,7 +30,7 @@ def are_flush(one: SolidFit, other: SolidFit, *, touch: bool, open_m: float = 0.
 def _is_flush_to(one: SolidFit, other: SolidFit, touch: bool, open_m: float) -> bool:
     """The same of two boxes by the faces of the first."""
     largest_m = float(max(one.size_m.max(), other.size_m.max()))
-    flush_m = _FLUSH * largest_m + open_m
+    flush_m = _FLUSH * largest_m + min(open_m, _FLUSH * largest_m)
     turn = np.abs(one.rotation.T @ other.rotation)
     order = turn.argmax(axis=1)
     # a face is off by that from the middle of the largest size to its end

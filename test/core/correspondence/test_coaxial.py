@@ -64,8 +64,9 @@ def test_nothing_hangs_above_another_but_a_piece_of_it(above_m: float) -> None:
 
 
 def test_what_is_open_of_where_they_are_is_open_of_their_axis() -> None:
-    beside = standing(0.03, 0.02, 0.02, x_m=0.002)
-    assert are_coaxial(BODY, beside, open_m=0.002) and not are_coaxial(BODY, beside, open_m=0.001)
+    beside = standing(0.03, 0.02, 0.02, x_m=0.0015)
+    assert are_coaxial(BODY, beside, open_m=0.001) and not are_coaxial(BODY, beside, open_m=0.0005)
+    assert not are_coaxial(BODY, standing(0.03, 0.02, 0.02, x_m=0.002), open_m=0.01)
 
 
 def test_rods_that_lie_in_a_row_are_not() -> None:

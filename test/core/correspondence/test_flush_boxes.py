@@ -72,6 +72,8 @@ def test_what_is_open_of_where_boxes_are_is_open_of_whether_they_are_flush(open_
     """The foot of a bracket was turned by 3 degrees, and known to 3 mm only."""
     turned = standing(0.0275, 0.0, (0.036, 0.014, 0.03), turned_deg=3.0)
     assert are_flush(BAR, turned, touch=True, open_m=open_m) == (open_m > 0)
+    more = standing(0.0275, 0.0, (0.036, 0.014, 0.03), turned_deg=6.0)
+    assert not are_flush(BAR, more, touch=True, open_m=10 * open_m)  # else all beside what is unsure would be
 
 
 def test_what_is_flush_to_one_of_two_is_flush_to_both() -> None:
