@@ -27,7 +27,8 @@ def annotate(pair: RectifiedPair, blobs: Blobs, found: Correspondences, poses: O
     """
     left, right = (np.asarray(cv2.cvtColor(view, cv2.COLOR_GRAY2BGR), np.uint8) for view in (pair.left, pair.right))
     refused = poses.refused if poses is not None else found.refused
-    kept = [index for index, point in enumerate(found.left_px) if not _is_refused(point, refused)]
+    later = poses.refused[len(found.refused) :] if poses is not None else ()  # what was matched, but not placed
+    kept = [index for index, point in enumerate(found.left_px) if not _is_refused(point, later)]
     for canvas, side in ((left, "left"), (right, "right")):
         bad = [(point, refusal.reason) for refusal in refused if (point := getattr(refusal, f"{side}_px")) is not None]
         _outlines(canvas, blobs, side, [point for point, _ in bad], getattr(found, f"{side}_px")[kept])

@@ -12,6 +12,7 @@ from stereo_pick.core.annotation import annotate
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.poses import estimate_poses
+from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.triangulation import Triangulator
 
 PAIR = blank_pair()
@@ -56,6 +57,13 @@ def test_what_is_refused_once_its_position_is_known_is_red_and_has_no_number() -
     unsure = annotate(PAIR, BLOBS, FOUND, poses.confident(PARALLEL))
     assert greenness(sure, 200, 130) > 50 and greenness(unsure, 200, 130) < -50
     np.testing.assert_array_equal(unsure[250:350], sure[250:350])  # another object, refused in both
+
+
+def test_what_was_found_where_its_outline_was_refused_keeps_its_number() -> None:
+    again = replace(FOUND, refused=(*FOUND.refused, Refusal("merged", FOUND.left_px[0], FOUND.right_px[0])))
+    poses = estimate_poses(Triangulator().triangulate(again, PARALLEL), again, PARALLEL, 0)
+    row = annotate(PAIR, BLOBS, again, poses)[150, 260:600]  # the line that joins both views
+    assert len(poses) == 1 and (row != 50).any(axis=1).all()
 
 
 def test_the_pair_stays_as_it_is() -> None:

@@ -51,7 +51,7 @@ def placed_surely(
             continue
         (blobs, where), fit = row, each.fit
         doubt = _doubt(images, row, each, table, by_m)
-        if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_surely_all_of(blobs[0], fits, fit)):
+        if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_surely_all_of(fit, blobs[0], fits)):
             doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
         placed.append((blobs, by_adjusted(images.rig, where, exactly, doubt)))
     return placed

@@ -44,7 +44,7 @@ class WarpedViews:
         known, and something does."""
         return self._all_lie(self.seen.beside(outline, solids))
 
-    def is_surely_all_of(self, outline: Blob, solids: Sequence[SolidFit], fit: SolidFit) -> bool:
+    def is_surely_all_of(self, fit: SolidFit, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether it does, and the table is known so well there that a part as long would show if it stood up, and a
         piece of one of the solids as thin as that is if it lay there."""
         return self._is_known_at(outline) and self._would_show_piece_of(fit) and self.is_all_of(outline, solids)

@@ -38,7 +38,7 @@ def as_unsure_as_whole(
     def lies_flat(pair: BlobPair, fit: SolidFit) -> bool:
         if warped is None:
             return False
-        return warped.is_surely_all_of(pair[0], fits, fit) or warped.is_surely_all_beside(fit, pair[0], fits)
+        return warped.is_surely_all_of(fit, pair[0], fits) or warped.is_surely_all_beside(fit, pair[0], fits)
 
     up = warped.table.normal if warped else None
     return [_as_unsure(_or_both(row, rows, up), others, rig, lies_flat) for row in rows]

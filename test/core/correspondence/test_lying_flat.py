@@ -63,7 +63,7 @@ def test_what_may_lie_on_a_table_that_is_hardly_known_does_not_surely(sigma_m: f
     """All of it is 3 mm above where the table seems to be, and 0.2 m wide."""
     seems = Table(TABLE.normal, TABLE.offset_m + 0.003, sigma_m)
     warped, beside = WarpedViews(raised(0.0), seems), ball(RADIUS_PX)
-    assert (warped.is_all_of(outline(100), []), warped.is_surely_all_of(outline(100), [], beside)) == (may, surely)
+    assert (warped.is_all_of(outline(100), []), warped.is_surely_all_of(beside, outline(100), [])) == (may, surely)
 
 
 @pytest.mark.parametrize(("thick_m", "surely"), [(0.03, True), (0.008, False)])
@@ -71,7 +71,7 @@ def test_what_lies_beside_a_thin_solid_may_be_as_thin_a_piece_of_it(thick_m: flo
     """The foot of an angle bracket, as thick as its wall, rose by less than was open of a table known to 2 mm."""
     seems = Table(TABLE.normal, TABLE.offset_m, 2e-3)
     wall = replace(ball(RADIUS_PX), kind="box", size_m=np.array([0.04, thick_m, 0.04]))
-    assert WarpedViews(raised(0.0), seems).is_surely_all_of(outline(100), [], wall) == surely
+    assert WarpedViews(raised(0.0), seems).is_surely_all_of(wall, outline(100), []) == surely
 
 
 def ball(radius_px: float, away_px: float = 0.0) -> SolidFit:
@@ -97,7 +97,7 @@ def test_what_rises_far_from_a_solid_is_no_piece_of_it(away_px: float, sigma_m: 
     """One outline holds them both, as that of a board on which several parts stand."""
     warped = WarpedViews(raised(0.01), replace(MEASURED, sigma_m=sigma_m))
     one, board = ball(25.0, away_px), outline(220.0)
-    assert not warped.is_surely_all_of(board, [one], one)
+    assert not warped.is_surely_all_of(one, board, [one])
     assert warped.is_surely_all_beside(one, board, [one]) == lies
 
 
