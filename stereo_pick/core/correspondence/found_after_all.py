@@ -13,6 +13,7 @@ from stereo_pick.core.correspondence.located import TOP, is_flat
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.overlap import covers
 from stereo_pick.core.correspondence.risen import all_risen
+from stereo_pick.core.correspondence.shaded_foot import refused_in_its_shadow
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.hypotheses import Images
@@ -57,7 +58,8 @@ def _found(look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence
     """What was refused, if something rises from the table there, and a solid is found instead."""
     if unread.left and warped.shows_nothing_rise(unread.left, others):
         return None
-    return _unless_marks(warped, look.at_refused(unread, others))
+    found = _unless_marks(warped, look.at_refused(unread, others))
+    return found or _unless_marks(warped, refused_in_its_shadow(look, warped, unread, others))
 
 
 def _unless_marks(warped: WarpedViews, seen: Seen | None) -> Seen | None:

@@ -65,26 +65,26 @@ class LastLook:
     def at(self, blobs: BlobPair, others: Sequence[SolidFit], shown: float = 0.0) -> Seen | None:
         """An object as the solid on the table that the edges show clearly where none of the others is; None where there
         is none, or where it is open which it is. shown: of its silhouette, as what it was taken for."""
-        return self._among(self._hinted(blobs) + self._around(blobs), blobs, others, shown)
+        return self._among(self._hinted(blobs) + self.around(blobs), blobs, others, shown)
 
     def at_risen(self, risen: Risen, others: Sequence[SolidFit]) -> Seen | None:
         """The same of what rises from the table, by its surface; if that shows none, by its edges alone."""
         found = self._among(risen.solids(self.images.rig, self.table), risen.blobs, others, 0.0)
-        return found or self._among(self._around(risen.blobs), risen.blobs, others, 0.0)
+        return found or self._among(self.around(risen.blobs), risen.blobs, others, 0.0)
 
     def _among(
         self, candidates: Sequence[Solids], blobs: BlobPair, others: Sequence[SolidFit], shown: float
     ) -> Seen | None:
         """The same of these candidates."""
-        free = self._with_ended(self._free_ones(nearly(self.images, candidates, self.table), others), others)
+        free = self._with_ended(self.free_ones(nearly(self.images, candidates, self.table), others), others)
         clear = self._clear_ones(blobs, free, shown) or self._clear_by_pattern(blobs, candidates, others, free, shown)
         return self._best_of(blobs, others, free, clear, shown)
 
     def instead(self, blobs: BlobPair, others: Sequence[SolidFit], found: Adjusted) -> tuple[Seen | None, Floats]:
         """What shows clearly more of itself than what an object was found to be, if anything does; and how far (3,) [m]
         from that the farthest of those is that show as much, as it may be any of them."""
-        candidates = self._hinted(blobs) + self._around(blobs)
-        free = self._free_ones(nearly(self.images, candidates, self.table), others)
+        candidates = self._hinted(blobs) + self.around(blobs)
+        free = self.free_ones(nearly(self.images, candidates, self.table), others)
         clear = self._clear_ones(blobs, free, found.shown)
         another = self._best_of(blobs, others, free, clear, found.shown)
         if another is not None and another[1].is_clear and another[1].shown > found.shown + CHANCE:
@@ -112,7 +112,7 @@ class LastLook:
         """The same of candidates of which the pattern is seen, but edges are off by more than those of plain ones."""
         locked = self.images.all_locked(candidates, self.table)
         found = patterned(self.images, [each for each in locked if not each.raises_doubt], self.before)
-        several = self._free_ones(found, others)
+        several = self.free_ones(found, others)
         return [one for one in several if self._evident.shows_its_surface(blobs, one[1], _most_shown(free, shown))]
 
     def _best_of(
@@ -175,7 +175,7 @@ class LastLook:
         several = dict.fromkeys([clear_of(blobs, self.images), blobs])
         return [each for one in several for each in standing_candidates(self.images, convex_outlines(one), self.table)]
 
-    def _free_ones(self, candidates: Iterable[Supported], others: Sequence[SolidFit]) -> list[Found]:
+    def free_ones(self, candidates: Iterable[Supported], others: Sequence[SolidFit]) -> list[Found]:
         """The best of these, each another one, that lie on edges where there is room, and where all edges put them."""
         found: list[Found] = []
         for each in candidates:
@@ -193,7 +193,7 @@ class LastLook:
         rimless = [there.fit.solid for _, there in free if there.has_creases and not there.is_creased]
         images, table = self.images, self.table
         several = [each for solid in rimless for each in ended(solid, images.maps, images.rig, table, images.occluders)]
-        more = self._free_ones(nearly(images, several, table), others)
+        more = self.free_ones(nearly(images, several, table), others)
         return [*free, *(each for each in more if not _is_among(free, each[0]))]
 
     def _free(self, found: Supported, others: Sequence[SolidFit]) -> Adjusted | None:
@@ -201,7 +201,8 @@ class LastLook:
         if is_flat(found.fit) or self._clashes(found.fit, others):
             return None
         rig, maps = self.images.rig, self.images.maps
-        there = adjusted([found.fit], maps, rig, self.table, known=True, before=self.before)[0][0]
+        in_shadow = self.images.in_shadow
+        there = adjusted([found.fit], maps, rig, self.table, known=True, before=self.before, in_shadow=in_shadow)[0][0]
         return there if stands_on(self.table, there.fit) and not self._clashes(there.fit, others) else None
 
     def _clashes(self, fit: SolidFit, others: Sequence[SolidFit]) -> bool:
@@ -210,12 +211,13 @@ class LastLook:
             return True
         return any(is_where(fit, each, rig) for each in self.besides)
 
-    def _around(self, blobs: BlobPair) -> list[Solids]:
+    def around(self, blobs: BlobPair) -> list[Solids]:
         """What most edges around an object's outlines agree on."""
         images, known = self.images, self.images.occluders
         reach_px = _REACH * max(blob.rectangle[0] for blob in blobs)
         places_px = [blob.centroid_px for blob in blobs]
-        return solids_around(images.maps, images.rig, self.table, places_px, reach_px, known.cover if known else None)
+        covered = known.cover if known else None
+        return solids_around(images.maps, images.rig, self.table, places_px, reach_px, covered, images.in_shadow)
 
 
 def _is_among(several: Sequence[Found], found: Supported) -> bool:

@@ -7,10 +7,12 @@ from functools import partial
 
 from stereo_pick.core.correspondence.found_table import FoundTable, Shaded
 from stereo_pick.core.correspondence.last_look import LastLook, may_be_found
+from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.one_plane import shows_one_face
 from stereo_pick.core.correspondence.other_polarity import joined
 from stereo_pick.core.correspondence.position import Row
 from stereo_pick.core.correspondence.reading import FirstLook, Reader, Reading
+from stereo_pick.core.correspondence.shaded_foot import refused_in_its_shadow
 from stereo_pick.core.correspondence.together import Together, adjusted_together
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
@@ -151,5 +153,6 @@ def _scene_on_any(reader: Reader, looks: FirstLooks, scene: Scene, shaded: Shade
 
 def _bears_any(reader: Reader, scene: Scene, table: Table) -> bool:
     """Whether something that is refused in a scene is found on a table: most of those tried are none."""
-    look = LastLook(reader.images, table, [], [])
-    return any(look.at_refused(unread, []) for unread in may_be_found(scene.together.refused))
+    look, warped = LastLook(reader.images, table, [], []), WarpedViews(reader.images.pair, table)
+    several = may_be_found(scene.together.refused)
+    return any(look.at_refused(unread, []) or refused_in_its_shadow(look, warped, unread, []) for unread in several)

@@ -17,6 +17,7 @@ from stereo_pick.core.correspondence.position import Row, may_have_dark_ends, wi
 from stereo_pick.core.correspondence.reading import Reader, Reading
 from stereo_pick.core.correspondence.rising_outline import rises_beside
 from stereo_pick.core.correspondence.second_thoughts import CREASED, WELL_SHOWN, is_flat_after_all, reconsidered
+from stereo_pick.core.correspondence.shaded_foot import in_its_shadow
 from stereo_pick.core.correspondence.standing_out import stands_out
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
@@ -130,7 +131,7 @@ def _looked_for_again(
     seen = _read_better(look, seen)
     before = _known(seen)
     look = replace(look, images=look.images.behind(before), before=before)
-    found, rest = _read_again(look, seen, rest)
+    found, rest = _read_again(look, warped, seen, rest)
     if not reader.last_look:
         return found, list(open_), rest
     look = replace(look, besides=[where for _, where in [*rest, *astray]])
@@ -158,7 +159,9 @@ def _read_better(look: LastLook, seen: Sequence[Seen]) -> list[Seen]:
     return found
 
 
-def _read_again(look: LastLook, seen: Sequence[Seen], rest: Sequence[Row]) -> tuple[list[Seen], list[Row]]:
+def _read_again(
+    look: LastLook, warped: WarpedViews, seen: Sequence[Seen], rest: Sequence[Row]
+) -> tuple[list[Seen], list[Row]]:
     """What is seen, where it lacks its creases perhaps as another solid, and what no solid explained but one does now;
     and the others of these."""
     found = [(row, each) for row, each in seen if _is_settled(each)]
@@ -168,13 +171,21 @@ def _read_again(look: LastLook, seen: Sequence[Seen], rest: Sequence[Row]) -> tu
     left = []
     for row in rest:
         alone = look.without(row[1])
-        another = alone.at(row[0], [each.fit for _, each in found]) if row[1].fit is None else None
+        another = _explained(alone, warped, row, [each.fit for _, each in found])
         if another is None:
             left.append(row)
             continue
         found.append(another)
         look = alone
     return found, left
+
+
+def _explained(look: LastLook, warped: WarpedViews, row: Row, others: Sequence[SolidFit]) -> Seen | None:
+    """What no solid explained, as one that does."""
+    blobs, where = row
+    if where.fit is not None:
+        return None
+    return look.at(blobs, others) or in_its_shadow(look, warped, blobs, others)
 
 
 def _is_settled(found: Adjusted) -> bool:

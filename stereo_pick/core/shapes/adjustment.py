@@ -81,12 +81,13 @@ def adjusted(
     known: bool = False,
     before: Sequence[SolidFit] = (),
     edge_radius_m: float = 0.0,
+    in_shadow: bool = False,
 ) -> tuple[list[Adjusted], Table | None]:
     """The solids (at least one), and the table, that all edges together support best.
 
     known: whether the table is known without them, and is moved within its sigma only. Those that stand or lie on it
     stay there. before: others that may hide some of them, as they may each other. edge_radius_m: one sigma of how far
-    their edges are rounded.
+    their edges are rounded; in_shadow: whether their own shadows on the table may hide where they end.
     """
     groups = _groups(fits, table)
     occluders = Occluders.of([*fits, *before], rig)
@@ -96,7 +97,8 @@ def adjusted(
     moved_by = np.zeros(5)  # tilts and height of the table, turns of the right camera
     for round_ in range(_ROUNDS + 1):
         hides = [group.hidden_by(occluders) for group in groups]
-        edges = edges_seen([group.solids for group in groups], views, rig, moved_by[3:], hides)
+        shaded_on = plane.table if plane and in_shadow else None
+        edges = edges_seen([group.solids for group in groups], views, rig, moved_by[3:], hides, shaded_on)
         seen = [
             each.evidence(views[0].light * usual_sigma_px(each.scale_px, each.shown), edge_radius_m) for each in edges
         ]

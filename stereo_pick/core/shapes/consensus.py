@@ -23,7 +23,8 @@ from stereo_pick.core.shapes.starts import orientations
 from stereo_pick.core.shapes.table import Table
 
 _GUESSES = 1200  # of each orientation
-_FINER = 3  # orientations than for a search that turns them
+_FINER = 3  # orientations than for a search that turns them ...
+_FINEST = 6  # ... where what is found is not turned either
 _BETTERED, _ROUNDS = 150, 2  # the best guesses, by all the edges that they agree with
 _KEPT = 40  # solids of each kind: where half of a part shows, high lights and shadows often have more edges
 _ON_EDGE_PX = 1.2  # as far as the orientation may be off, and the edge's normal
@@ -60,13 +61,15 @@ class _Around(NamedTuple):
 class _Problem(NamedTuple):
     """What solids of G orientations must satisfy, unknowns (S, 2 + sizes) being their place along the table and their
     half sizes [m]: rows (G, E, 2 + sizes) @ unknowns = right_m (E,), for each edge that is theirs; rays (E,): of
-    the edges; rises (G, sizes): how high their centres are, by half sizes; within_m: what is near enough to an edge."""
+    the edges; rises (G, sizes): how high their centres are, by half sizes; within_m: what is near enough to an edge;
+    high (G, E): which edges would be of the upper half, where only these speak."""
 
     rows: Floats
     right_m: Floats
     rays: Ints
     rises: Floats
     within_m: float
+    high: Bools | None = None
 
 
 def solids_around(
@@ -76,17 +79,19 @@ def solids_around(
     places_px: Sequence[Floats],
     reach_px: float,
     covered: Covered | None = None,
+    in_shadow: bool = False,
 ) -> list[Solids]:
     """The solids (S = 1 each) on a table on which most edges around the places (2,) [px] of an object agree.
 
-    reach_px: how far from its places its edges may be; covered: where they are another's.
+    reach_px: how far from its places its edges may be; covered: where they are another's; in_shadow: whether they stand
+    in their own shadow, the edges of which look like theirs, so that only those speak that are none of its foot.
     """
     edges = _edges(views, rig, places_px, reach_px, covered)
     around = _around(rig, table, places_px, reach_px)
     if len(edges.rays) < _LEAST_EDGES or around is None:
         return []
     draw = np.random.default_rng(0)  # the same for the same images
-    return [solid for kind in KINDS.values() for solid in _of_kind(kind, edges, around, table, draw)]
+    return [solid for kind in KINDS.values() for solid in _of_kind(kind, edges, around, table, draw, in_shadow)]
 
 
 def _edges(
@@ -114,10 +119,12 @@ def _around(rig: StereoRig, table: Table, places_px: Sequence[Floats], reach_px:
     return _Around(orientations(BOX, table)[0][0], ray * depth_m, reach_px * m_per_px, m_per_px)
 
 
-def _of_kind(kind: Kind, edges: _Edges, around: _Around, table: Table, draw: np.random.Generator) -> Iterator[Solids]:
+def _of_kind(
+    kind: Kind, edges: _Edges, around: _Around, table: Table, draw: np.random.Generator, in_shadow: bool
+) -> Iterator[Solids]:
     """The few of a kind, each clearly another one, that have the most edges."""
-    rotations, turns = orientations(kind, table, _FINER)
-    problem = _problem(kind, rotations, edges, around)
+    rotations, turns = orientations(kind, table, _FINEST if in_shadow else _FINER)
+    problem = _problem(kind, rotations, edges, around, in_shadow)
     which, unknowns = _guesses(problem, around.reach_m, draw)
     if not len(which):
         return
@@ -136,14 +143,21 @@ def _of_kind(kind: Kind, edges: _Edges, around: _Around, table: Table, draw: np.
         yield Solids(kind, centre_m[i, None], rotations[at, None], half_m[i, None], turns[at, None])
 
 
-def _problem(kind: Kind, rotations: Floats, edges: _Edges, around: _Around) -> _Problem:
+def _problem(kind: Kind, rotations: Floats, edges: _Edges, around: _Around, in_shadow: bool) -> _Problem:
     up, planes = around.axes[:, 2], edges.planes
     rises = _support(kind, (-up @ rotations)[:, None])[:, 0]
     along = np.broadcast_to(planes @ around.axes[:, :2], (len(rotations), len(planes), 2))
     by_sizes = (planes @ up)[:, None] * rises[:, None] + _support(kind, planes @ rotations)
     rows = np.concatenate([along, by_sizes], axis=2)
     right_m = edges.offsets_m - planes @ around.origin_m
-    return _Problem(rows, right_m, edges.rays, rises, _ON_EDGE_PX * around.m_per_px)
+    high = _is_high(kind, planes @ rotations, up @ rotations) if in_shadow else None
+    return _Problem(rows, right_m, edges.rays, rises, _ON_EDGE_PX * around.m_per_px, high)
+
+
+def _is_high(kind: Kind, planes: Floats, up: Floats) -> Bools:
+    """Which planes (G, E, 3), in the solids' own axes, touch them in the upper half; up: (G, 3), the table's normal."""
+    half = np.ones((len(up), kind.sizes))
+    return np.asarray(dot(kind.touch(planes, half), up[:, None]) >= 0)
 
 
 def _support(kind: Kind, directions: Floats) -> Floats:
@@ -155,7 +169,7 @@ def _support(kind: Kind, directions: Floats) -> Floats:
 def _guesses(problem: _Problem, reach_m: float, draw: np.random.Generator) -> tuple[Ints, Floats]:
     """The orientations (S,) and the unknowns (S, 2 + sizes) of those guesses that are possible."""
     grid, edges, unknowns = problem.rows.shape
-    chosen = draw.integers(0, edges, (grid, _GUESSES, unknowns))
+    chosen = _drawn(problem, draw)
     first = np.arange(0, grid * edges, edges)[:, None, None]  # of each orientation's rows
     matrix = problem.rows.reshape(-1, unknowns).take(first + chosen, axis=0)
     solved = solutions(matrix.reshape(-1, unknowns, unknowns), problem.right_m[chosen].reshape(-1, unknowns))
@@ -178,6 +192,18 @@ def solutions(matrix: Floats, right: Floats) -> Floats:
     return rows[:, -1].T
 
 
+def _drawn(problem: _Problem, draw: np.random.Generator) -> Ints:
+    """Edges (G, guesses, unknowns) drawn for each orientation, of those that speak."""
+    grid, edges, unknowns = problem.rows.shape
+    shape = (grid, _GUESSES, unknowns)
+    if problem.high is None:
+        return draw.integers(0, edges, shape)
+    count = np.maximum(problem.high.sum(axis=1), 1)
+    drawn = draw.integers(0, count[:, None, None], shape).reshape(grid, -1)
+    high_first = np.argsort(~problem.high, axis=1, kind="stable")
+    return np.asarray(np.take_along_axis(high_first, drawn, axis=1).reshape(shape))
+
+
 def _possible(unknowns: Floats, reach_m: float) -> Bools:
     """Whether (S,) solids are so large and so near that they may be what is looked for."""
     along_m, half_m = unknowns[:, :2], unknowns[:, 2:]
@@ -192,6 +218,8 @@ def _on_edge(problem: _Problem, which: Ints, unknowns: Floats) -> Floats:
     for each, one, end in zip(there, first, (*first[1:], len(which))):
         off = (problem.rows[each] @ unknowns[one:end].T - problem.right_m[:, None]) / problem.within_m
         on_edge[:, one:end] = np.maximum(1 - off * off, 0)
+        if problem.high is not None:
+            on_edge[~problem.high[each], one:end] = 0.0
     return on_edge
 
 

@@ -21,6 +21,7 @@ from stereo_pick.core.shapes.kinds import cross, dot
 from stereo_pick.core.shapes.locking import ON_EDGE_PX, Beside, edges_beside, trust
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.occluders import Hide, Occluders, share_seen
+from stereo_pick.core.shapes.own_shadow import heights
 from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.refinement import robust_scale
 from stereo_pick.core.shapes.residuals import residuals
@@ -28,6 +29,7 @@ from stereo_pick.core.shapes.rounding import however_rounded, rounding_px
 from stereo_pick.core.shapes.sight import turning
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.stretches import stretches_found
+from stereo_pick.core.shapes.table import Table
 
 _POINTS = 120  # of a silhouette
 _CLEAR_PX = 3.0  # from the silhouette, nearer than which its edge is in the way of a crease's
@@ -83,10 +85,11 @@ def edges_seen(
     rig: StereoRig,
     turn_rad: Floats = _STILL,
     hides: Sequence[Hide] = (),
+    shaded_on: Table | None = None,
 ) -> list[Seen]:
     """What two rectified views show beside and across the solids (S) of groups of one kind each; turn_rad: (2,), how
     the right camera has turned; hides: for each group, which of its places (S, N, 2), normalized, in a view are hidden
-    (S, N); none, unless given.
+    (S, N); none, unless given. shaded_on: the table, if their own shadows on it may hide where they end.
 
     Where two faces meet parts are rounded, and it is a matter of the light where on the round the edge appears: each
     crease may slide, as one in both views.
@@ -94,7 +97,8 @@ def edges_seen(
     hides = hides or [_hide_nothing] * len(groups)
     corners = [silhouettes(solids, rig.eyes_m) for solids in groups]
     found = []
-    for solids, at, beside, hide in zip(groups, corners, _beside(groups, corners, views, hides), hides):
+    high = [heights(solids, rig.eyes_m, shaded_on) for solids in groups] if shaded_on else []
+    for solids, at, beside, hide in zip(groups, corners, _beside(groups, corners, views, hides, high), hides):
         outer, inner = _silhouettes(solids, beside, rig), _creases(solids, at, views, rig, hide)
         found.append(_seen(outer.turned(turn_rad), inner.turned(turn_rad), beside.hidden, views[0].is_exact))
     return found
@@ -135,16 +139,22 @@ def _scale_px(outer: EdgeRows, inner: EdgeRows) -> Floats:
 
 
 def _beside(
-    groups: Sequence[Solids], corners: Sequence[Floats], views: Sequence[EdgeMap], hides: Sequence[Hide]
+    groups: Sequence[Solids],
+    corners: Sequence[Floats],
+    views: Sequence[EdgeMap],
+    hides: Sequence[Hide],
+    high: Sequence[Floats],
 ) -> list[Beside]:
-    """The edges next to the silhouettes (S, 2, K, 2) of each group: looked for at once, since they are so few."""
+    """The edges next to the silhouettes (S, 2, K, 2) of each group, with these heights (S, 2, K) if any are given:
+    looked for at once, since they are so few."""
     ends = np.cumsum([len(each) for each in corners])[:-1]
 
     def hide(places: Floats, view: int) -> Bools:
         return np.concatenate([of_group(each, view) for of_group, each in zip(hides, np.split(places, ends))])
 
     is_ball = np.concatenate([each.is_ball for each in groups])
-    found = edges_beside(np.concatenate(corners), is_ball, views, _POINTS, hide=hide)
+    height = np.concatenate(high) if high else None
+    found = edges_beside(np.concatenate(corners), is_ball, views, _POINTS, hide=hide, height=height)
     return [Beside(*of_group) for of_group in zip(*(np.split(each, ends) for each in found))]
 
 

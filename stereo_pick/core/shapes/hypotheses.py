@@ -18,7 +18,7 @@ from stereo_pick.core.shapes.evidence import centre_covariance, determined
 from stereo_pick.core.shapes.fitting import NOISE_PX, Nearest, Pair, nearest_of_kind
 from stereo_pick.core.shapes.growing import grown, is_longer
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE, Kind
-from stereo_pick.core.shapes.locking import Locked, lock
+from stereo_pick.core.shapes.locking import Locked, lock, seen_in_shadow
 from stereo_pick.core.shapes.occluders import Occluders
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
@@ -80,6 +80,7 @@ class Images:
         self._locked: dict[tuple[Solids, Table | None], Supported] = {}
         self.occluders: Occluders | None = None
         self.noise_px = NOISE_PX
+        self.in_shadow = False
 
     def behind(self, fits: Sequence[SolidFit]) -> Images:
         """The same views, where these solids, and no others, are known to be: what they hide of others speaks neither
@@ -97,6 +98,12 @@ class Images:
             return self
         found = self._asked_anew()
         found.noise_px = min(_ROUGHEST * NOISE_PX, max(NOISE_PX, float(np.median([fit.residual_px for fit in fits]))))
+        return found
+
+    def in_own_shadow(self) -> Images:
+        """The same views, where a dark part's own shadow on the table may hide where it ends."""
+        found = self._asked_anew()
+        found.in_shadow = True
         return found
 
     def _asked_anew(self) -> Images:
@@ -162,9 +169,14 @@ class Images:
             if (solid, table) not in self._locked:
                 alike.setdefault((solid.kind, solid.turns.shape[2]), []).append(solid)
         for several in alike.values():
-            locked = lock(Solids.joined(several), self.maps, self.rig, table, self.occluders)
+            locked = self._where_edges_are(Solids.joined(several), table)
             for solid, supported in zip(several, _supported(locked, table, self.noise_px)):
                 self._locked[solid, table] = supported
+
+    def _where_edges_are(self, solids: Solids, table: Table | None) -> Locked:
+        if self.in_shadow and table is not None:
+            return seen_in_shadow(solids, self.maps, self.rig, table, self.occluders)
+        return lock(solids, self.maps, self.rig, table, self.occluders)
 
     def best(self, objects: Sequence[Sequence[Pair]]) -> list[Supported | None]:
         """For each object the solid with the most support among those that come near its outlines, and longer ones.

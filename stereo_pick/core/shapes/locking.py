@@ -17,7 +17,8 @@ from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
 from stereo_pick.core.shapes.foot import shadow_px
 from stereo_pick.core.shapes.occluders import Occluders, share_seen
 from stereo_pick.core.shapes.outline import POINTS
-from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
+from stereo_pick.core.shapes.own_shadow import heights, in_own_shadow
+from stereo_pick.core.shapes.predicted import along_polygon, silhouettes, values_along
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
 from stereo_pick.core.shapes.sight import Sight
 from stereo_pick.core.shapes.solids import Solids
@@ -68,6 +69,21 @@ def lock(
         if round_ == _ROUNDS or not len(held):
             break
         solids = solids.replaced(held, refine(sight.only(held), now.only(held), rounds=3).solids)
+    return _locked(now, beside)
+
+
+def seen_in_shadow(
+    solids: Solids, views: Sequence[EdgeMap], rig: StereoRig, table: Table, occluders: Occluders | None = None
+) -> Locked:
+    """The same of solids where they are, their own shadows on the table being what may hide where they end: edges of
+    these would draw them along."""
+    corners, height = silhouettes(solids, rig.eyes_m), heights(solids, rig.eyes_m, table)
+    hide = partial(occluders.hide, solids) if occluders else None
+    beside = edges_beside(corners, solids.is_ball, views, POINTS, hide=hide, height=height)
+    return _locked(fitted(beside.sight(rig, table), solids), beside)
+
+
+def _locked(now: Fitted, beside: Beside) -> Locked:
     shown = share_seen(beside.off_px < ON_EDGE_PX, beside.hidden)
     return Locked(now, shown, beside.sigma_px.reshape(len(shown), -1))
 
@@ -98,11 +114,13 @@ def edges_beside(
     points: int,
     shifts_px: Sequence[float] = (0.0,),
     hide: Callable[[Floats, int], Bools] | None = None,
+    height: Floats | None = None,
 ) -> Beside:
     """The edges next to so many points of silhouettes (S, 2, K, 2).
 
     is_ball: (S,), which of them are limbs all around; shifts_px: where along each normal they are looked for; hide:
-    which places (S, N, 2), normalized, of a view are hidden (S, N).
+    which places (S, N, 2), normalized, of a view are hidden (S, N); height: (S, 2, K), of the corners, as of `heights`,
+    where what ends in its own shadow counts as hidden, too, unless an edge is seen there.
     """
     places, normals = (
         each.reshape(*corners.shape[:2], points, 2)
@@ -113,6 +131,10 @@ def edges_beside(
         pixels, across = places[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
         offset, weight, sigma = _edges_near(view, pixels, across, shifts_px, is_ball)
         hidden = hide(places[:, i], i) if hide else np.zeros(weight.shape, bool)
+        if height is not None:
+            on_edge = (weight > 0) & (np.abs(offset) < ON_EDGE_PX)
+            high = values_along(corners[:, i], height[:, i], points)
+            hidden = hidden | (in_own_shadow(view.image, pixels, across, high) & ~on_edge)
         weight[hidden] = 0.0
         off = np.where(weight > 0, np.abs(offset), np.inf)
         sides.append((pixels - offset[..., None] * across, across, weight, off, sigma, hidden))

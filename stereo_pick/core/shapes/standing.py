@@ -56,6 +56,12 @@ def nearly(images: Images, candidates: Sequence[Solids], table: Table) -> list[S
     return sorted((each for each in found if each.raises_doubt), key=lambda each: -each.score)
 
 
+def most_shown(images: Images, candidates: Sequence[Solids], table: Table) -> list[Supported]:
+    """Those of which at least half shows; the best first."""
+    found = images.all_locked(candidates, table)
+    return sorted((each for each in found if each.support > _FOOT), key=lambda each: -each.support)
+
+
 def _below_face(images: Images, pair: Pair, table: Table) -> Supported | None:
     """The body from the lit top that the outlines share down to the table.
 

@@ -1,0 +1,75 @@
+"""Dark parts that stand in their own shadow, which hides where they end: found by what is above it.
+
+What of a silhouette is in the upper half of a part must show, all of it, before something lit; what is lower need not,
+where it is dark. Nothing but shadow may lie beside the part then: nothing that rises from the table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from stereo_pick.core.correspondence.carried import as_predicted, carried
+from stereo_pick.core.correspondence.last_look import Found, LastLook, Seen
+from stereo_pick.core.correspondence.left_over import Unread
+from stereo_pick.core.correspondence.lying_flat import WarpedViews
+from stereo_pick.core.correspondence.position import BlobPair, by_supported
+from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
+from stereo_pick.core.shapes.growing import grown
+from stereo_pick.core.shapes.hypotheses import Supported
+from stereo_pick.core.shapes.open_end import has_open_end
+from stereo_pick.core.shapes.own_shadow import ends_in_light, is_dark
+from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.standing import most_shown, no_surer_than_rivals
+
+
+def in_its_shadow(look: LastLook, warped: WarpedViews, blobs: BlobPair, others: Sequence[SolidFit]) -> Seen | None:
+    """A dark object of these outlines as the solid on the table, where none of the others is, that shows all of itself
+    but its foot; None where there is none, or where it is open which it is."""
+    pair = warped.pair
+    if not all(is_dark(view, blob.contour_px) for view, blob in zip((pair.left, pair.right), blobs)):
+        return None
+    shaded = replace(look, images=look.images.in_own_shadow())
+    candidates = most_shown(shaded.images, shaded.around(blobs), look.table)
+    free = shaded.free_ones(candidates, others)
+    free += shaded.free_ones(_longer(shaded, free), others)
+    clear = [each for each in free if _is_clear(shaded, each)]
+    whole = [each for each in clear if not warped.rising(blobs[0], [*others, each[1].fit])]
+    if not whole:
+        return None
+    (first, there), *rest = sorted(whole, key=lambda each: -each[1].shown)
+    best = no_surer_than_rivals(first, [each for each, _ in rest])
+    if best is None:
+        return None
+    return (blobs, by_supported(pair.rig, best)), there
+
+
+def refused_in_its_shadow(
+    look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence[SolidFit]
+) -> Seen | None:
+    """The same of what was refused, if need be by the outline of one view, and where the table has it in the other."""
+    if unread.left and unread.right:
+        return in_its_shadow(look, warped, (unread.left, unread.right), others)
+    blobs = carried(unread, warped.pair.rig, look.table)
+    found = in_its_shadow(look, warped, blobs, others) if blobs else None
+    if found is None:
+        return None
+    (blobs, where), there = found
+    return (as_predicted(unread, blobs, there.fit, warped.pair.rig), where), there
+
+
+def _longer(look: LastLook, free: Sequence[Found]) -> list[Supported]:
+    """Solids stretched as far as the edges beside them go on."""
+    images = look.images
+    several = [grown(there.fit.solid, images.eyes_m, images.maps, look.table, images.occluders) for _, there in free]
+    return images.all_locked([each for each in several if each is not None], look.table)
+
+
+def _is_clear(look: LastLook, found: Found) -> bool:
+    images, (_, there) = look.images, found
+    if there.is_astray or there.shown <= WELL_SHOWN:
+        return False
+    solid = there.fit.solid
+    if has_open_end(solid, images.eyes_m, images.maps, look.table):
+        return False
+    return ends_in_light(solid, images.maps, images.rig, look.table)
