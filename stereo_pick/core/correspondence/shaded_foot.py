@@ -15,8 +15,6 @@ from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import BlobPair, by_supported
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
-from stereo_pick.core.shapes.growing import grown
-from stereo_pick.core.shapes.hypotheses import Supported
 from stereo_pick.core.shapes.open_end import has_open_end
 from stereo_pick.core.shapes.own_shadow import ends_in_light, is_dark
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -31,9 +29,7 @@ def in_its_shadow(look: LastLook, warped: WarpedViews, blobs: BlobPair, others: 
         return None
     shaded = replace(look, images=look.images.in_own_shadow())
     candidates = most_shown(shaded.images, shaded.around(blobs), look.table)
-    free = shaded.free_ones(candidates, others)
-    free += shaded.free_ones(_longer(shaded, free), others)
-    clear = [each for each in free if _is_clear(shaded, each)]
+    clear = [each for each in shaded.free_ones(candidates, others) if _is_clear(shaded, each)]
     whole = [each for each in clear if not warped.rising(blobs[0], [*others, each[1].fit])]
     if not whole:
         return None
@@ -56,13 +52,6 @@ def refused_in_its_shadow(
         return None
     (blobs, where), there = found
     return (as_predicted(unread, blobs, there.fit, warped.pair.rig), where), there
-
-
-def _longer(look: LastLook, free: Sequence[Found]) -> list[Supported]:
-    """Solids stretched as far as the edges beside them go on."""
-    images = look.images
-    several = [grown(there.fit.solid, images.eyes_m, images.maps, look.table, images.occluders) for _, there in free]
-    return images.all_locked([each for each in several if each is not None], look.table)
 
 
 def _is_clear(look: LastLook, found: Found) -> bool:

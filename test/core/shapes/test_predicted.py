@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from rigs import RIGS
 from solid_outlines import any_part, contours_px, distances_px
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.kinds import KINDS
-from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
+from stereo_pick.core.shapes.predicted import along_polygon, silhouettes, values_along
 
 RIG = RIGS["verged"]
 EYES = np.array([[0.0, 0.0, 0.0], [RIG.baseline_m, 0.0, 0.0]])
@@ -60,3 +62,13 @@ def place_along(point: Floats, polygon: Floats, ahead: Floats, length: Floats) -
     side = int(off.argmin())
     assert off[side] < 1e-9
     return float(length[:side].sum() + part[side] * length[side])
+
+
+@given(st.integers(1, 300))
+def test_what_changes_evenly_from_corner_to_corner_does_so_at_points_between(count: int) -> None:
+    random = np.random.default_rng(count)
+    angles = np.sort(random.uniform(0, 2 * np.pi, 12))
+    corners = np.stack([np.cos(angles), np.sin(angles)], axis=1)[None]
+    points, _ = along_polygon(corners, count)
+    slope, level = random.normal(size=2), random.normal()
+    np.testing.assert_allclose(values_along(corners, corners @ slope + level, count), points @ slope + level, atol=1e-9)
