@@ -32,7 +32,7 @@ def found_after_all(
     and what stays refused."""
     found, refused = list(seen), list(open_)
     for unread in may_be_found(open_):
-        another = _found(look, warped, unread, _fits(found))
+        another = _found(look, warped, unread, _fits(found)) or _in_its_shadow(look, warped, unread, _fits(found))
         if another is None:
             continue
         (blobs, _), there = another
@@ -58,8 +58,14 @@ def _found(look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence
     """What was refused, if something rises from the table there, and a solid is found instead."""
     if unread.left and warped.shows_nothing_rise(unread.left, others):
         return None
-    found = _unless_marks(warped, look.at_refused(unread, others))
-    return found or _unless_marks(warped, refused_in_its_shadow(look, warped, unread, others))
+    return _unless_marks(warped, look.at_refused(unread, others))
+
+
+def _in_its_shadow(look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
+    """The same of a dark part by its upper half: of a whole outline, in which the rest of a piece would rise."""
+    if unread.left and warped.shows_nothing_rise(unread.left, others):
+        return None
+    return _unless_marks(warped, refused_in_its_shadow(look, warped, unread, others))
 
 
 def _unless_marks(warped: WarpedViews, seen: Seen | None) -> Seen | None:
