@@ -21,7 +21,7 @@ from stereo_pick.core.shapes.hypotheses import BODY, Images, Supported
 from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.table import Table
 
-_TRIED_TABLES, _TRIED_PAIRS = 4, 3
+_TRIED_PAIRS = 3
 _TRIED_ON_SHADED = 8  # outlines: a table that falls from the light is worth more of a look
 _LOOKED_AT = 2  # supposed tables, more thoroughly: that takes longer
 _LEAST = 2  # objects that must stand on a table before they say more about it
@@ -65,7 +65,6 @@ class TableSearch:
             table = (
                 common_table(fits, self._level)
                 or self._below_faces(fits)
-                or self._verified(kept, fits)
                 or self._looked_at(kept, fits, supposed_tables(fits)[:_LOOKED_AT])
             )
         return FoundTable(self._bettered(kept, table), False) if table else None
@@ -144,15 +143,6 @@ class TableSearch:
 
     def _on(self, table: Table) -> OnTable:
         return OnTable(self.images, table, self.flat_parts)
-
-    def _verified(self, kept: Sequence[Row], fits: Sequence[SolidFit]) -> Table | None:
-        unknown = [*(blobs for blobs, where in kept if where.fit is None), *self.pairs]
-        for table in supposed_tables(fits)[:_TRIED_TABLES]:
-            others = [found.fit for found in self._on(table).solids(unknown[:_TRIED_PAIRS]) if found]
-            agreed = common_table(_each_once(others, fits), self._level) if others else None
-            if agreed is not None:
-                return agreed
-        return None
 
     def _looked_at(
         self,
