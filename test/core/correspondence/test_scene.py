@@ -50,17 +50,25 @@ def test_a_table_that_parts_go_through_is_above_theirs(height_m: float, is_above
 
 
 def chosen(
-    monkeypatch: pytest.MonkeyPatch, found: Scene, other: Scene, bears: bool = True, last_look: bool = True
+    monkeypatch: pytest.MonkeyPatch,
+    found: Scene,
+    other: Scene,
+    bears: bool = True,
+    shaded: bool = False,
+    last_look: bool = True,
 ) -> Scene:
     """The scene, where one is on the table that was found, and the other on what may be it by all that is seen.
 
-    bears: whether something that is refused is found there; last_look: whether that may be looked for.
+    bears: whether something that is refused is found there; shaded: or in its own shadow; last_look: whether that may
+    be looked for.
     """
     there, may_be = found.together.table, other.together.table
     assert there is not None and may_be is not None
     monkeypatch.setattr(scenes, "scene_on", lambda _, __, on, ___: other if on.table is may_be else found)
     monkeypatch.setattr(LastLook, "at_refused", lambda look, *_: bears or None)
-    reader: Any = SimpleNamespace(table=lambda *_: FoundTable(there, True), images=None, last_look=last_look)
+    monkeypatch.setattr(scenes, "refused_in_its_shadow", lambda *_: shaded or None)
+    images = SimpleNamespace(pair=rectified(RIG, SEEN))
+    reader: Any = SimpleNamespace(table=lambda *_: FoundTable(there, True), images=images, last_look=last_look)
     looks: Any = SimpleNamespace(first=None, kept_besides=[], fits=[])
     return scenes.scene_on_found_table(reader, looks, lambda _: [may_be], 0.0)
 
@@ -74,6 +82,7 @@ def test_where_few_stand_on_the_table_that_was_found_another_may_be_it(monkeypat
     assert chosen(monkeypatch, unread, several) is several
     assert chosen(monkeypatch, few, several) is few
     assert chosen(monkeypatch, unread, several, bears=False) is unread
+    assert chosen(monkeypatch, unread, several, bears=False, shaded=True) is several
     assert chosen(monkeypatch, unread, several, last_look=False) is unread
     assert chosen(monkeypatch, unread, scene_on(0.0, "standing", "box")) is unread
 
