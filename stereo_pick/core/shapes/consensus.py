@@ -24,7 +24,7 @@ from stereo_pick.core.shapes.table import Table
 
 _GUESSES = 1200  # of each orientation
 _FINER = 3  # orientations than for a search that turns them ...
-_FINEST = 6  # ... where what is found is not turned either
+_FINEST = 12  # ... where what is found is not turned either: the ends of what is 100 px long are off by half a pixel
 _BETTERED, _ROUNDS = 150, 2  # the best guesses, by all the edges that they agree with
 _KEPT = 40  # solids of each kind: where half of a part shows, high lights and shadows often have more edges
 _ON_EDGE_PX = 1.2  # as far as the orientation may be off, and the edge's normal
