@@ -28,6 +28,7 @@ _OPEN = 0.25  # of a solid's size by which a rival's centre may be off
 _AGREE = 7.8  # squared sigmas, in three dimensions
 _TINY = 1e-12
 _FOOT = 0.5  # part of what a body has below its top, and of its far end, that must lie on edges
+_HALF = 1 / 2  # of a silhouette
 
 
 def standing(images: Images, pairs: Sequence[Pair], table: Table) -> list[Supported | None]:
@@ -57,9 +58,9 @@ def nearly(images: Images, candidates: Sequence[Solids], table: Table) -> list[S
 
 
 def most_shown(images: Images, candidates: Sequence[Solids], table: Table) -> list[Supported]:
-    """Those of which at least half shows; the best first."""
+    """Those of which more than half shows; the best first."""
     found = images.all_locked(candidates, table)
-    return sorted((each for each in found if each.support > _FOOT), key=lambda each: -each.support)
+    return sorted((each for each in found if each.support > _HALF), key=lambda each: -each.support)
 
 
 def _below_face(images: Images, pair: Pair, table: Table) -> Supported | None:

@@ -10,6 +10,8 @@ from rendered_solids import PARTS, PLACED, RIG, rectified, solid_of, table_of
 from rendering import Cylinder, Scene, Solid, lamp_at
 
 from stereo_pick.core.arrays import Floats, Image
+from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.own_shadow import ends_in_light, heights, in_own_shadow, is_dark
 
@@ -78,3 +80,22 @@ def test_a_dark_part_ends_in_light_and_a_piece_of_it_does_not(part: Solid) -> No
         half_m[0, true.kind.axes[axis]] /= 2
         middle = true.centre_m + along * true.rotation[0, :, axis] * half_m[0, true.kind.axes[axis]]
         assert not ends_in_light(replace(true, centre_m=middle, half_m=half_m), views, RIG, TABLE)
+
+
+@pytest.mark.parametrize(
+    ("albedo", "table", "is_hidden"), [(0.04, 0.8, True), (0.9, 0.2, False)], ids=["dark", "bright"]
+)
+def test_what_its_shadow_hides_of_a_dark_part_speaks_neither_for_nor_against_it(
+    albedo: float, table: float, is_hidden: bool
+) -> None:
+    """At its place: without that, a third of its edges was missing or another's."""
+    part = replace(ROD, albedo=albedo)
+    lamp = lamp_at(75.0, 290.0, 1.0, 1.5, 0.25)
+    scene = Scene((part,), PLACED, table_albedo=table, lamps=(lamp,), ambient=0.4, shadows=True)
+    images, true = Images(rectified(RIG, scene)), solid_of(RIG, scene, part).turning_about(TABLE.normal)
+    fit = SolidFit(true.kind.name, true.centre_m[0], true.rotation[0], true.size_m()[0], 0.1, 1e-8 * np.eye(3))
+    supports = [each.locked(true, TABLE).support for each in (images, images.in_own_shadow())]
+    shown = [adjusted([fit], images.maps, RIG, TABLE, True, in_shadow=each)[0][0].shown for each in (False, True)]
+    for without, within in (supports, shown):
+        assert within > 0.92
+        assert (without < within - 0.1) == is_hidden
