@@ -16,9 +16,10 @@ from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import surely_on
 from stereo_pick.core.shapes.creases import creases
-from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported, carries
+from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.supported import CHANCE, Supported, carries
 from stereo_pick.core.shapes.table import Table
 
 _HALF = 1 / 2  # of its silhouette, for what its edges alone put on the table ...

@@ -32,7 +32,7 @@ def found_after_all(
     and what stays refused."""
     found, refused = list(seen), list(open_)
     for unread in may_be_found(open_):
-        another = _found(look, warped, unread, _fits(found)) or _in_its_shadow(look, warped, unread, _fits(found))
+        another = _found(look, warped, unread, _fits(found), is_whole=True)
         if another is None:
             continue
         (blobs, _), there = another
@@ -54,17 +54,18 @@ def found_after_all(
     return found, refused
 
 
-def _found(look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
-    """What was refused, if something rises from the table there, and a solid is found instead."""
+def _found(
+    look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence[SolidFit], is_whole: bool = False
+) -> Seen | None:
+    """What was refused, if something rises from the table there, and a solid is found instead.
+
+    is_whole: whether the rest of a piece would rise within its outlines, so that a dark part's upper half will do.
+    """
     if unread.left and warped.shows_nothing_rise(unread.left, others):
         return None
-    return _unless_marks(warped, look.at_refused(unread, others))
-
-
-def _in_its_shadow(look: LastLook, warped: WarpedViews, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
-    """The same of a dark part by its upper half: of a whole outline, in which the rest of a piece would rise."""
-    if unread.left and warped.shows_nothing_rise(unread.left, others):
-        return None
+    found = _unless_marks(warped, look.at_refused(unread, others))
+    if found is not None or not is_whole:
+        return found
     return _unless_marks(warped, refused_in_its_shadow(look, warped, unread, others))
 
 

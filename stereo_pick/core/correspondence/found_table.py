@@ -17,8 +17,9 @@ from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.below_faces import tables_below
 from stereo_pick.core.shapes.common_table import common_table, stands_on, supposed_tables
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
-from stereo_pick.core.shapes.hypotheses import BODY, Images, Supported
+from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.kinds import SPHERE
+from stereo_pick.core.shapes.supported import Supported
 from stereo_pick.core.shapes.table import Table
 
 _TRIED_PAIRS = 3

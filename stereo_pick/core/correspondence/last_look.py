@@ -29,11 +29,12 @@ from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.consensus import solids_around
 from stereo_pick.core.shapes.ending import ended
-from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
+from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.shortening import shortened
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.standing import agree, exactly, nearly, no_surer_than_rivals, standing_candidates
+from stereo_pick.core.shapes.supported import CHANCE, Supported
 from stereo_pick.core.shapes.table import Table
 
 # Of which an object may be found yet

@@ -26,8 +26,9 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import Outline, SolidFit, fit_solids
 from stereo_pick.core.shapes.adjusted import is_astray
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
-from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
+from stereo_pick.core.shapes.supported import Supported
 from stereo_pick.core.shapes.tubes import tube_of
 
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest

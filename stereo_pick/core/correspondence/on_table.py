@@ -14,8 +14,9 @@ from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.common_table import hangs_above, stands_on, surely_on
-from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images, Supported
+from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.standing import standing, standing_alike
+from stereo_pick.core.shapes.supported import CHANCE, Supported
 from stereo_pick.core.shapes.table import Table
 
 _SURE_PX = 0.2  # sigma from which a table may better a position

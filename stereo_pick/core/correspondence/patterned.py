@@ -8,9 +8,10 @@ from collections.abc import Iterator, Sequence
 from stereo_pick.core.correspondence.located import TOP, is_flat
 from stereo_pick.core.correspondence.seen_surface import is_seen_beyond, is_surface_seen
 from stereo_pick.core.shapes.fitting import Pair
-from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import KINDS
 from stereo_pick.core.shapes.solid_fit import SolidFit
+from stereo_pick.core.shapes.supported import Supported
 
 _HALF = 1 / 2  # of its silhouette
 PATTERN_PX = 0.5  # by which edges may be off

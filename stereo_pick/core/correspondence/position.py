@@ -12,9 +12,10 @@ from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, centroid_px
 from stereo_pick.core.shapes.evidence import ARC_PX, USUAL_PX
-from stereo_pick.core.shapes.hypotheses import BODY, Supported
+from stereo_pick.core.shapes.hypotheses import BODY
 from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.rims import to_rims
+from stereo_pick.core.shapes.supported import Supported
 
 _BY_SOLID_SIGMA_PX = 0.13  # of a solid's edges as a whole
 _ARC_SIGMA_PX = 0.21  # by which light and shading move an arc of an outline

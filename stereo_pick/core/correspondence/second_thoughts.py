@@ -15,11 +15,12 @@ from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import can_be_fitted, nearest_of_kind
-from stereo_pick.core.shapes.hypotheses import BODY, CHANCE, Images
+from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, KINDS, Prism
 from stereo_pick.core.shapes.shortening import shortened
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.standing import exactly, most_supported
+from stereo_pick.core.shapes.supported import CHANCE
 from stereo_pick.core.shapes.table import Table
 
 CREASED = 1 / 3  # of its creases, without which an object is no prism ...

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
-from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.beyond import Contour, shown_beyond
 from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX, EdgeMap
-from stereo_pick.core.shapes.evidence import centre_covariance, determined
 from stereo_pick.core.shapes.fitting import NOISE_PX, Nearest, Pair, nearest_of_kind
 from stereo_pick.core.shapes.growing import grown, is_longer
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, HEX_PRISM, SPHERE, Kind
@@ -22,49 +20,14 @@ from stereo_pick.core.shapes.locking import Locked, lock, seen_in_shadow
 from stereo_pick.core.shapes.occluders import Occluders
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.supported import CHANCE, Supported, supported
 from stereo_pick.core.shapes.table import Table
 
 _LOOKED_FOR, _LOOKED_FOR_LAST = (SPHERE, CYLINDER, BOX), (HEX_PRISM,)
-_SUPPORTED = 0.65  # part of the silhouette, in either view, that must lie on edges ...
-_PER_PX = 2.0  # ... and more of it where they lie farther off than noise, as a median
-_CONTRADICTED = 0.5  # a stretched solid with so much support makes the shorter one doubtful
 _SHOWN_BEYOND = 0.5  # part of what a solid adds to the outlines that must lie on edges
-CHANCE = 1 / 12  # by which the support of two solids that share most of their silhouettes may differ
 BODY = 0.3  # thickness by length of what is no lit face
-_RESIDUAL = 2.0  # noise by which the edges may lie off the silhouette, as a median
-_UNKNOWN_M2 = np.eye(3)  # covariance of the centre where nothing holds it
 _ROUGHEST = 2.0  # of NOISE_PX: farther off lies what is not what it seems
 _PLAUSIBLE_PX = 0.25  # misfit of the outlines beyond which a kind is not worth looking for
-
-
-@dataclass(frozen=True, eq=False)
-class Supported:
-    """A solid on edges: fit; support: the lesser share of its silhouette, of both views, that lies on edges as far as
-    it is not hidden; off_px: how far these lie off, as a median, by more than noise moves such weak edges; doubt:
-    covariance (3, 3) [m²] of its centre as it may be another solid, which no better fit of this one makes less;
-    noise_px: by which edges lie off what is there."""
-
-    fit: SolidFit
-    support: float
-    off_px: float
-    believable: bool
-    doubt: Floats = field(default_factory=lambda: np.zeros((3, 3)))
-    noise_px: float = NOISE_PX
-
-    @property
-    def score(self) -> float:
-        """What tells the better of two: support, less how far the edges lie off."""
-        return self.support - _PER_PX * self.off_px
-
-    @property
-    def is_exact(self) -> bool:
-        """Whether it is believable without noise as an excuse for how far its edges lie off."""
-        return self.believable and carries(self.support, self.fit.residual_px, noise_px=self.noise_px)
-
-    @property
-    def raises_doubt(self) -> bool:
-        """Whether there is so much to it that a shorter solid is doubtful."""
-        return self.believable or (self.support > _CONTRADICTED and _is_tight(self.off_px, self.noise_px))
 
 
 class Images:
@@ -170,8 +133,8 @@ class Images:
                 alike.setdefault((solid.kind, solid.turns.shape[2]), []).append(solid)
         for several in alike.values():
             locked = self._where_edges_are(Solids.joined(several), table)
-            for solid, supported in zip(several, _supported(locked, table, self.noise_px)):
-                self._locked[solid, table] = supported
+            for solid, each in zip(several, supported(locked, table, self.noise_px)):
+                self._locked[solid, table] = each
 
     def _where_edges_are(self, solids: Solids, table: Table | None) -> Locked:
         if self.in_shadow and table is not None:
@@ -239,36 +202,3 @@ class Images:
             if longer is not None and longer.believable:
                 return True
         return False
-
-
-def _supported(locked: Locked, table: Table | None, noise_px: float) -> Iterator[Supported]:
-    fit, solids, size_m = locked.fit, locked.fit.solids, locked.fit.solids.size_m()
-    residual, held = np.abs(fit.residual_px), fit.weight > 0
-    medians_px = _medians(residual, held)
-    offs_px = _medians(residual / np.hypot(1.0, locked.sigma_px / noise_px), held)
-    known = np.flatnonzero(np.isfinite(medians_px))
-    covariance = np.tile(_UNKNOWN_M2, (len(held), 1, 1))
-    covariance[known] = centre_covariance(fit.only(known), np.maximum(noise_px, 1.5 * medians_px[known]), table)
-    fixed = determined(fit, covariance)
-    for i, (support, median_px, off_px) in enumerate(
-        zip(locked.shown.min(axis=1).tolist(), medians_px.tolist(), offs_px.tolist())
-    ):
-        result = SolidFit(solids.kind.name, solids.centre_m[i], solids.rotation[i], size_m[i], median_px, covariance[i])
-        is_believable = bool(fixed[i]) and carries(support, off_px, noise_px=noise_px)
-        yield Supported(result, support, off_px, is_believable, noise_px=noise_px)
-
-
-def _medians(values: Floats, which: Bools) -> Floats:
-    """Of which (S, N) of the values (S, N), in each row; infinite where there is none."""
-    ordered, count, row = np.sort(np.where(which, values, np.inf), axis=1), which.sum(axis=1), np.arange(len(values))
-    low, high = ordered[row, np.maximum(count - 1, 0) // 2], ordered[row, count // 2]
-    return np.asarray((low + high) / 2)
-
-
-def carries(support: float, off_px: float, least: float = _SUPPORTED, noise_px: float = NOISE_PX) -> bool:
-    """Whether edges so far off a solid, with so much of its silhouette on them, make it believable."""
-    return _is_tight(off_px, noise_px) and support > least + _PER_PX * max(0.0, off_px - noise_px)
-
-
-def _is_tight(off_px: float, noise_px: float) -> bool:
-    return off_px < _RESIDUAL * noise_px

@@ -15,6 +15,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.sampling import places_along, sampled
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes, touched, values_along
+from stereo_pick.core.shapes.refinement import medians
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -69,7 +70,5 @@ def _levels(image: Image, points_px: Floats, outwards: Floats, height: Floats) -
     (S, 1)."""
     around = places_along(points_px.reshape(-1, 2), outwards.reshape(-1, 2), _BESIDE_PX)
     outside, inside = np.moveaxis(sampled(image, around).reshape(*height.shape, 2), -1, 0)
-    ordered = np.sort(np.where(height < _LOW, np.inf, outside), axis=1)
-    count = (height >= _LOW).sum(axis=1, keepdims=True)
-    behind = np.take_along_axis(ordered, np.maximum(count - 1, 0) // 2, axis=1)
-    return outside, np.median(inside, axis=1, keepdims=True), np.where(count > 0, behind, -np.inf)
+    behind = medians(outside, height >= _LOW)[:, None]
+    return outside, np.median(inside, axis=1, keepdims=True), np.where(np.isfinite(behind), behind, -np.inf)

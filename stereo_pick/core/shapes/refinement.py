@@ -86,6 +86,13 @@ def robust_scale(residual: Floats, weight: Floats) -> Floats:
     return np.asarray(1.4826 * ordered[np.arange(len(middle)), middle])
 
 
+def medians(values: Floats, which: Bools) -> Floats:
+    """Of which (S, N) of the values (S, N), in each row; infinite where there is none."""
+    ordered, count, row = np.sort(np.where(which, values, np.inf), axis=1), which.sum(axis=1), np.arange(len(values))
+    low, high = ordered[row, np.maximum(count - 1, 0) // 2], ordered[row, count // 2]
+    return np.asarray((low + high) / 2)
+
+
 def tukey(residual: Floats, scale: Floats | float) -> Floats:
     """Tukey's weight: 1 for a residual of 0, 0 for one that is far off on this scale."""
     return np.asarray(np.maximum(1 - (residual / (TUKEY * scale)) ** 2, 0) ** 2)

@@ -16,11 +16,12 @@ from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted, nearest_of_kind
 from stereo_pick.core.shapes.flush import resting
 from stereo_pick.core.shapes.growing import shown_parts
-from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
+from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import BOX, KINDS, SPHERE
 from stereo_pick.core.shapes.shared_face import shared_face
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.supported import CHANCE, Supported
 from stereo_pick.core.shapes.table import Table
 
 _UPRIGHT = np.cos(np.deg2rad(25))  # of an axis that the outlines alone put so near to upright

@@ -13,12 +13,13 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.evidence import centre_covariance, determined
 from stereo_pick.core.shapes.fitting import NOISE_PX, Pair, few_of_kind
-from stereo_pick.core.shapes.hypotheses import CHANCE, Images, Supported
+from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import BOX, CYLINDER, TUBE
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
 from stereo_pick.core.shapes.sight import Sight
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.supported import CHANCE, Supported
 
 _ROUGH = 1 / 50  # of its diameter by which a tube's outlines may lie off it ...
 _MOST = 2 / 3  # ... of their points

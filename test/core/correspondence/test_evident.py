@@ -16,8 +16,9 @@ from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blobs, Detector
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjusted import Adjusted
-from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.solids import Solids
+from stereo_pick.core.shapes.supported import Supported
 from stereo_pick.core.shapes.table import Table
 
 NORMAL = RIG.left.R @ PLACED.rotation[:, 2]

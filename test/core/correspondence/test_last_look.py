@@ -23,9 +23,10 @@ from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.growing import stretched_by
-from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.standing import down_to
+from stereo_pick.core.shapes.supported import Supported
 from stereo_pick.core.shapes.table import Table
 
 NORMAL = RIG.left.R @ PLACED.rotation[:, 2]

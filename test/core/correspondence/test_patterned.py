@@ -14,7 +14,8 @@ from rendering import Cylinder, Scene
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.patterned import near_outlines, patterned
 from stereo_pick.core.shapes import Outline, SolidFit
-from stereo_pick.core.shapes.hypotheses import Images, Supported
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.supported import Supported
 
 LYING = Cylinder(0.0, 0.0, (0.05, 0.05, 0.09), yaw_rad=0.5, lying=True, texture=1.0)
 PLAIN = replace(LYING, texture=0.0)

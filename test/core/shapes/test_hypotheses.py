@@ -15,7 +15,8 @@ from solid_outlines import contour_px
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.shapes import Outline, SolidFit
 from stereo_pick.core.shapes.fitting import Pair
-from stereo_pick.core.shapes.hypotheses import Images, carries
+from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.supported import carries
 
 RIG = RIGS["thesis"]
 TABLE = table_before(RIG, 0.9, elevation_deg=50)
