@@ -29,6 +29,7 @@ from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
 from stereo_pick.core.shapes.supported import Supported
+from stereo_pick.core.shapes.table import Table
 from stereo_pick.core.shapes.tubes import tube_of
 
 _MAY_FADE = 0.35  # part of an outline that may fade, or be cut, where a solid explains the rest
@@ -78,6 +79,18 @@ def _locate(
         return _refused(blobs, "half_lit")
     if tube is None:
         return by_outlines(images.rig, blobs, None)
+    return _by_tube(images, tube)
+
+
+def as_lying_tube(images: Images, blobs: BlobPair, table: Table) -> Located | None:
+    """What the outlines alone leave open as a tube that lies or stands on the table; None where that is not seen. Its
+    outlines may fade on one side: they need not tell how high up it is."""
+    outlines = trusted_outlines(blobs, SHARP)
+    tube = None if _has_no_own_side(images, blobs, outlines) else tube_of(images, outlines, table)
+    return _by_tube(images, tube) if tube is not None else None
+
+
+def _by_tube(images: Images, tube: Supported) -> Located:
     return replace(by_supported(images.rig, tube), is_rough=is_astray(tube.fit))
 
 
@@ -96,11 +109,16 @@ def _is_half_lit(images: Images, blobs: BlobPair, outlines: Pair, max_concavity:
 
 def _tube(images: Images, blobs: BlobPair, outlines: Pair) -> Supported | None:
     """The tube that an object is, as a cylinder, where its outlines are its own all around, and sharp nearly all."""
-    if any(blob.cut_share > MAY_BE_CUT or blob.fading > _MAY_FADE_UNEXPLAINED for blob in blobs):
-        return None
-    if not can_be_fitted(outlines) or shows_one_face(*blobs, images.rig):
+    if max(blob.fading for blob in blobs) > _MAY_FADE_UNEXPLAINED or _has_no_own_side(images, blobs, outlines):
         return None
     return tube_of(images, outlines)
+
+
+def _has_no_own_side(images: Images, blobs: BlobPair, outlines: Pair) -> bool:
+    """Whether too much of the outlines is not an object's own, or all of them are of one face."""
+    if max(blob.cut_share for blob in blobs) > MAY_BE_CUT or not can_be_fitted(outlines):
+        return True
+    return shows_one_face(*blobs, images.rig)
 
 
 def _is_whole(blobs: BlobPair, max_concavity: float) -> bool:

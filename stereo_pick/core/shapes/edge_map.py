@@ -27,7 +27,7 @@ _BLUR = cv2.getGaussianKernel(7, _BLUR_PX).ravel()
 _SMOOTH = np.convolve(_BLUR, [0.25, 0.5, 0.25])
 _SLOPE = np.convolve(_BLUR, [-0.5, 0.0, 0.5])
 NOISE_OF_PIXELS = 1 / float(np.linalg.norm(_SLOPE) * np.linalg.norm(_SMOOTH))  # by that of their gradient
-_CLEAR = 5.0  # sigmas of the gradient from which it is an edge
+CLEAR = 5.0  # sigmas of the gradient from which it is an edge
 _STEP_PX = 0.5
 _SAMPLED = 4  # every so many pixels for the noise
 _NOISY = 4.0  # grey levels a pixel, from which weak edges drown that a blur saves; with less it costs others
@@ -115,7 +115,7 @@ class EdgeMap:
             across = np.zeros((len(points_px), len(reach)), np.float32)
             across[beside] = _across(slopes, points_px[beside] - low, normals[beside], reach)
             along = cv2.blur(across, (1, 3), borderType=cv2.BORDER_REPLICATE)[asked]
-            shown[asked] = np.asarray(np.abs(along).max(axis=1), np.float64) > _CLEAR * self.noise
+            shown[asked] = np.asarray(np.abs(along).max(axis=1), np.float64) > CLEAR * self.noise
         return shown.reshape(lines)
 
     def slopes(self, points_px: Floats) -> Floats:

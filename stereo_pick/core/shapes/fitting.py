@@ -122,10 +122,10 @@ def nearest_of_kind(pairs: Sequence[Pair], rig: StereoRig, kind: Kind, table: Ta
     return _one_by_one(pairs, _searched(Sight.of(pairs, rig, table), kind, _ALL_OF[kind]))
 
 
-def few_of_kind(pair: Pair, rig: StereoRig, kind: Kind, few: int) -> Fitted:
+def few_of_kind(pair: Pair, rig: StereoRig, kind: Kind, few: int, table: Table | None = None) -> Fitted:
     """The few solids of one kind that come nearest to an object's outlines, each by itself."""
     *stages, last = _ALL_OF[kind]
-    return _searched(Sight.of([pair], rig), kind, (*stages, last._replace(kept=few)))
+    return _searched(Sight.of([pair], rig, table), kind, (*stages, last._replace(kept=few)))
 
 
 def can_be_fitted(pair: Pair) -> bool:

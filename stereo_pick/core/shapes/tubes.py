@@ -12,14 +12,16 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.evidence import centre_covariance, determined
-from stereo_pick.core.shapes.fitting import NOISE_PX, Pair, few_of_kind
+from stereo_pick.core.shapes.fitting import NOISE_PX, Pair, few_of_kind, nearest_of_kind
 from stereo_pick.core.shapes.hypotheses import Images
-from stereo_pick.core.shapes.kinds import BOX, CYLINDER, TUBE
+from stereo_pick.core.shapes.kinds import BOX, CYLINDER, TUBE, Kind
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
 from stereo_pick.core.shapes.sight import Sight
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.supported import CHANCE, Supported
+from stereo_pick.core.shapes.table import Table
+from stereo_pick.core.shapes.touching_end import with_touching_ends
 
 _ROUGH = 1 / 50  # of its diameter by which a tube's outlines may lie off it ...
 _MOST = 2 / 3  # ... of their points
@@ -28,25 +30,38 @@ _LEAST_AT_END = 3  # points, in both views: two agree where one is wrong
 _MORE_ROUNDS = 12  # after the search, which ends some micrometres short, and not always at the same ones
 
 
-def tube_of(images: Images, outlines: Pair) -> Supported | None:
+def tube_of(images: Images, outlines: Pair, table: Table | None = None) -> Supported | None:
     """The tube, as a cylinder, that explains most of an object's outlines in both views; None where it does not, where
-    an end does not show, or where another solid explains more. Its centre is as unsure as it is that it is no other."""
-    sight = Sight.of([outlines], images.rig).without_corners()
-    found = few_of_kind(outlines, images.rig, TUBE, _FEW)
-    tubes = [_seen_as(sight, found.solids.only(np.array([i]))) for i in range(len(found.weight))]
-    rough_px = max(_ROUGH * _width_px(tubes[0].solids, sight.focal_px), NOISE_PX)
-    tube = max(tubes, key=lambda each: _share(each, rough_px))
-    share, own = _share(tube, rough_px), _own_edges(sight, tube)
-    if share < _MOST or not _shows_both_ends(own) or not determined(own, centre_covariance(own, NOISE_PX))[0]:
+    an end does not show, or where another solid explains more. Its centre is as unsure as it is that it is no other.
+
+    table: what all of these stand on, if that is known.
+    """
+    tube, sight, rough_px = _nearest(images, outlines, table)
+    if _share(tube, rough_px) < _MOST:
         return None
-    others = [_seen_as(sight, images.of_kind(outlines, kind)[0]) for kind in (CYLINDER, BOX)]
+    if not _shows_both_ends(_own_edges(sight, tube)):
+        outlines = with_touching_ends(outlines, tube.solids, images.maps, images.eyes_m)
+        tube, sight, rough_px = _nearest(images, outlines, table)
+    share, own = _share(tube, rough_px), _own_edges(sight, tube)
+    if share < _MOST or not _shows_both_ends(own) or not determined(own, centre_covariance(own, NOISE_PX, table))[0]:
+        return None
+    others = [_seen_as(sight, _of_kind(images, outlines, kind, table)) for kind in (CYLINDER, BOX)]
     shares = [_share(each, rough_px) for each in others]
     if max(shares) > share + CHANCE:
         return None
     rivals = [each.solids.centre_m[0] for each, much in zip(others, shares) if much > share - CHANCE]
     for _ in range(_MORE_ROUNDS):
         tube = refine(sight, tube, rounds=1)
-    return _as_cylinder(tube, share, centre_covariance(_own_edges(sight, tube), NOISE_PX)[0], rivals)
+    return _as_cylinder(tube, share, centre_covariance(_own_edges(sight, tube), NOISE_PX, table)[0], rivals)
+
+
+def _nearest(images: Images, outlines: Pair, table: Table | None) -> tuple[Fitted, Sight, float]:
+    """The tube on which most of the outlines lie, these, and how far off it they may be [px]."""
+    sight = Sight.of([outlines], images.rig, table).without_corners()
+    found = few_of_kind(outlines, images.rig, TUBE, _FEW, table)
+    tubes = [_seen_as(sight, found.solids.only(np.array([i]))) for i in range(len(found.weight))]
+    rough_px = max(_ROUGH * _width_px(tubes[0].solids, sight.focal_px), NOISE_PX)
+    return max(tubes, key=lambda each: _share(each, rough_px)), sight, rough_px
 
 
 def _own_edges(sight: Sight, tube: Fitted) -> Fitted:
@@ -62,8 +77,14 @@ def _shows_both_ends(own: Fitted) -> bool:
     return bool(min(forward.sum(), (at_ends & ~forward).sum()) >= _LEAST_AT_END)
 
 
+def _of_kind(images: Images, outlines: Pair, kind: Kind, table: Table | None) -> Solids:
+    if table is None:
+        return images.of_kind(outlines, kind)[0]
+    return nearest_of_kind([outlines], images.rig, kind, table)[outlines, kind][0]
+
+
 def _seen_as(sight: Sight, solid: Solids) -> Fitted:
-    return fitted(sight, solid.turning_freely())
+    return fitted(sight, solid.turning_about(sight.table.normal) if sight.table else solid.turning_freely())
 
 
 def _width_px(tube: Solids, focal_px: float) -> float:
