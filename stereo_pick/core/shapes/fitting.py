@@ -39,7 +39,7 @@ class _Stage(NamedTuple):
 
 _QUICK = (_Stage(5, 3, True), _Stage(2, 2, False), _Stage(1, 4, False))
 _THOROUGH = (_Stage(64, 2, True), _Stage(24, 4, True), _Stage(8, 3, False), _Stage(1, 4, False))
-_NEVER_ROUGH = (_Stage(12, 3, False), _Stage(4, 5, False), _Stage(1, 4, False))  # where the normals of a bite mislead
+_NEVER_ROUGH = (_Stage(24, 6, False), _Stage(4, 4, False), _Stage(1, 4, False))  # where the normals of a bite mislead
 _ALL_OF: dict[Kind, tuple[_Stage, ...]] = {  # what leaves no solid of a kind out
     SPHERE: _QUICK[-1:],
     CYLINDER: _THOROUGH,

@@ -21,7 +21,7 @@ from stereo_pick.core.shapes.solids import Solids
 
 _POINTS = 16  # of a rim that are looked at
 _ARC = np.linspace(-0.7, 0.7, _POINTS)  # of what is seen of it, both ways from what faces the camera
-_REACH = 0.15  # of its length, both ways from where the outlines let it end
+_REACH = 1.0  # radii, both ways from where the outlines let it end: about as far as a cut can be off
 _STEP_PX = 0.5
 _NEAR = 3  # steps, by which the rim may lie off in either view
 _SHOWN = 0.9  # of a rim
@@ -81,10 +81,10 @@ def _lost(outline: Outline, tube: Solids, end: float, camera: Camera) -> Bools:
 
 
 def _rims(tube: Solids, end: float, view: EdgeMap, eye_m: Floats, outline: Outline) -> _Rims:
-    """The rims at which the tube may end, shorter or longer by up to a part of its length."""
+    """The rims at which the tube may end, shorter or longer."""
     radius_m, half_m = tube.half_m[0]
     step_m = _STEP_PX * float(tube.centre_m[0, 2]) / view.camera.P[0, 0]
-    heights_m = end * (half_m + np.arange(-2 * half_m * _REACH, 2 * half_m * _REACH, step_m))
+    heights_m = end * (half_m + np.arange(-_REACH * radius_m, _REACH * radius_m, step_m))
     x, y, _ = (eye_m - tube.centre_m[0]) @ tube.rotation[0]
     angle = np.arctan2(y, x) + np.arccos(min(radius_m / np.hypot(x, y), 1.0)) * _ARC
     own = np.empty((len(heights_m), _POINTS, 3))

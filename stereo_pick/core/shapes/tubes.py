@@ -34,12 +34,12 @@ def tube_of(images: Images, outlines: Pair, table: Table | None = None) -> Suppo
     """The tube, as a cylinder, that explains most of an object's outlines in both views; None where it does not, where
     an end does not show, or where another solid explains more. Its centre is as unsure as it is that it is no other.
 
-    table: what all of these stand on, if that is known.
+    table: what all of these stand on, if that is known; else an end that touches something is not looked for.
     """
     tube, sight, rough_px = _nearest(images, outlines, table)
     if _share(tube, rough_px) < _MOST:
         return None
-    if not _shows_both_ends(_own_edges(sight, tube)):
+    if table is not None and not _shows_both_ends(_own_edges(sight, tube)):
         outlines = with_touching_ends(outlines, tube.solids, images.maps, images.eyes_m)
         tube, sight, rough_px = _nearest(images, outlines, table)
     share, own = _share(tube, rough_px), _own_edges(sight, tube)

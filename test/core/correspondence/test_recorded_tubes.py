@@ -15,6 +15,7 @@ from stereo_pick.core.poses import ObjectPoses
 
 FLAT_M = 1.5e-3  # of the paper, and of the tubes' radii
 REPEAT_M = 1.0e-3
+SHORT_M, LONG_M, NEAR_M = 0.064, 0.070, 2e-3  # about, by other hands, and by the scale of another calibration
 
 
 @pytest.fixture(scope="module")
@@ -33,10 +34,10 @@ def test_all_are_found(found: list[ObjectPoses]) -> None:
 
 
 def test_they_are_cylinders_that_lie_on_one_plane(found: list[ObjectPoses]) -> None:
-    """All that touch no other one, and three of the four that do, both ends of which show. By their outlines alone
-    they were 2.4 mm off a plane."""
+    """By their outlines alone they were 2.4 mm off a plane; one that touches another was seen as no solid, since its
+    outline is cut off there, and soft along one side."""
     known = np.concatenate([poses.xyz[np.array(poses.kinds) == "cylinder"] for poses in found])
-    assert len(known) == 11
+    assert len(known) == 12
     normal = np.linalg.svd(known - known.mean(axis=0))[2][2]
     assert ((known - known.mean(axis=0)) @ normal).std() < FLAT_M
 
@@ -44,5 +45,6 @@ def test_they_are_cylinders_that_lie_on_one_plane(found: list[ObjectPoses]) -> N
 def test_they_are_as_long_each_time(found: list[ObjectPoses]) -> None:
     lengths_m = np.concatenate([poses.size_m[np.array(poses.kinds) == "cylinder", 0] for poses in found])
     short, long = lengths_m[lengths_m < 0.065], lengths_m[lengths_m > 0.065]
-    assert (len(short), len(long)) == (5, 6)
+    assert (len(short), len(long)) == (6, 6)
     assert np.ptp(short) < REPEAT_M and np.ptp(long) < REPEAT_M
+    assert abs(short.mean() - SHORT_M) < NEAR_M and abs(long.mean() - LONG_M) < NEAR_M

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from outlines import blank_pair
+from outlines import blank_pair, grey_image
 from rigs import RIGS, rotation
 from solid_outlines import Part, contours_px, disturbed, side_contours_px
 
+from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.shapes import Outline, fit_solid
 from stereo_pick.core.shapes.fitting import Pair
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.table import Table
 from stereo_pick.core.shapes.tubes import tube_of
 
 RIG = RIGS["verged"]
@@ -92,6 +97,57 @@ def _cut(side: Outline, part: Part, camera: Camera) -> Outline:
 @pytest.mark.parametrize("turn", [0.1, 0.8, -0.6])
 def test_where_one_is_whose_end_is_hidden_is_not_known(turn: float, tilt: float) -> None:
     assert tube_of(Images(blank_pair(RIG)), with_hidden_end(tube(turn, tilt))) is None
+
+
+def beside(part: Part, gap_m: float) -> Part:
+    """A tube across the end of another that is cut off; gap_m: between them, or how much of the end it covers."""
+    axis, across = part.rotation[:, 2], part.rotation[:, 1]
+    away_m = part.half_m[1] + part.half_m[0] + gap_m
+    return replace(
+        part,
+        centre_m=part.centre_m + away_m * axis,
+        rotation=np.stack([np.cross(axis, across), axis, across], axis=1),
+    )
+
+
+def below(part: Part) -> Table:
+    """What it lies on."""
+    down = part.rotation[:, 0]
+    return Table(-down, float(down @ part.centre_m + HALF_M[0]), 1e-4)
+
+
+def shown(left: Sequence[Part], right: Sequence[Part]) -> Images:
+    """What is dark on white paper in each view, the later before the earlier."""
+    views = (drawn(parts, side) for side, parts in enumerate((left, right)))
+    return Images(RectifiedPair(*(grey_image(view) for view in views), RIG))
+
+
+def drawn(parts: Sequence[Part], side: int, finer: int = 8) -> Floats:
+    light = np.full((RIG.left.height_px * finer, RIG.left.width_px * finer), 220.0, np.float32)
+    for level, part in zip((60, 75), parts):
+        contour = (side_contours_px(part, RIG)[side] + 0.5) * finer - 0.5
+        cv2.fillPoly(light, [contour.round().astype(np.int32)], level)
+    return cv2.resize(light, None, fx=1 / finer, fy=1 / finer, interpolation=cv2.INTER_AREA).astype(np.float64)
+
+
+@pytest.mark.parametrize("tilt", [0.3, 0.0, -0.3])
+@pytest.mark.parametrize("turn", [0.1, 0.8, -0.6])
+def test_one_that_touches_another_ends_where_its_rim_is_seen(turn: float, tilt: float) -> None:
+    part = tube(turn, tilt)
+    both = [part, beside(part, 0.012)]
+    found = tube_of(shown(both, both), with_hidden_end(part), below(part))
+    assert found is not None
+    np.testing.assert_allclose(found.fit.size_m, 2 * HALF_M[[0, 0, 1]], atol=6e-4)
+    np.testing.assert_allclose(found.fit.centre_m, part.centre_m, atol=6e-4)
+
+
+@pytest.mark.parametrize("views", ["both", "left", "right"])
+@pytest.mark.parametrize("turn", [0.1, 0.8, -0.6])
+def test_where_one_ends_is_not_known_unless_both_views_show_it(turn: float, views: str) -> None:
+    part = tube(turn, 0.0)
+    free, covered = [part, beside(part, 0.012)], [part, beside(part, -0.012)]
+    images = shown(free if views == "right" else covered, free if views == "left" else covered)
+    assert tube_of(images, with_hidden_end(part), below(part)) is None
 
 
 @pytest.mark.parametrize("kind, half_m", [("box", (0.015, 0.02, 0.034)), ("sphere", (0.02,))])
