@@ -14,6 +14,7 @@ from stereo_pick.core.objects.edge_model import OFFSETS_PX, Edges
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.sampling import places_along, sampled
 from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
+from stereo_pick.core.shapes.fading_limb import SIGMA_PX, fading_limbs
 from stereo_pick.core.shapes.foot import shadow_px
 from stereo_pick.core.shapes.occluders import Occluders, share_seen
 from stereo_pick.core.shapes.outline import POINTS
@@ -34,6 +35,7 @@ _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
 _UNSURE_PX = 0.25  # sigma of a place that counts for half
 ON_EDGE_PX = 0.6
+_LIMB = 0.2  # trust in a limb that fades: half a pixel, by `_UNSURE_PX`
 _LEAST_HELD = 8  # points on edges, in each view, without which a solid stays where it is
 
 
@@ -152,11 +154,13 @@ def _edges_near(
     shape, noise, blur_px = points_px.shape[:-1], view.noise, view.modelled_blur_px
     points_px, normals = points_px.reshape(-1, 2), normals.reshape(-1, 2)
     best = np.zeros((3, len(points_px)))  # offset, trust, step
+    straight = np.empty((0, len(OFFSETS_PX)))
     solid = np.repeat(np.arange(shape[0]), shape[1])
     for shift in shifts_px:
         inwards = OFFSETS_PX - _MIDDLE_PX + shift
-        profiles = sampled(view.image, places_along(points_px, normals, -inwards))
-        edges = view.edges(view.together(profiles, shape[1]), solid)
+        profiles = view.together(sampled(view.image, places_along(points_px, normals, -inwards)), shape[1])
+        straight = profiles if shift == 0 else straight
+        edges = view.edges(profiles, solid)
         offset = edges.place_px - _MIDDLE_PX + shift
         best = np.where(np.abs(edges.step) > np.abs(best[2]), [offset, trust(edges, noise), edges.step], best)
     darker = np.flatnonzero((best[2] < 0) & (best[1] > 0))
@@ -168,6 +172,13 @@ def _edges_near(
     best[0, darker] = np.where((is_ball & (on_outer > on_inner))[part], outer_px, inner_px)
     together = view.noise_together
     sigma_px = _NOISE_PX * np.sqrt(blur_px) * together / np.maximum(np.abs(best[2]), together)
+    if not view.is_exact:
+        unseen = np.flatnonzero(best[1] == 0)
+        limb_px, found = fading_limbs(straight[unseen], view.modelled_blur_px)
+        limb_px -= _MIDDLE_PX
+        there = found & (np.abs(limb_px) < ON_EDGE_PX)
+        faint = unseen[there]
+        best[0, faint], best[1, faint], sigma_px[faint] = limb_px[there], _LIMB, SIGMA_PX
     return best[0].reshape(shape), best[1].reshape(shape), sigma_px.reshape(shape)
 
 
