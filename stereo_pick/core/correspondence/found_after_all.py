@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from stereo_pick.core.correspondence.along_rows import shows_height
 from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone
 from stereo_pick.core.correspondence.carried import without_edges
 from stereo_pick.core.correspondence.inscribed import discs_within
@@ -47,7 +48,7 @@ def found_after_all(
     found += _within(look, warped, refused, found)
     outlines_px = [each.left.contour_px for each in refused if each.left]
     for risen in all_risen(warped.seen, warped.table, _fits(found), outlines_px)[:MOST]:
-        another = _unless_marks(warped, look.at_risen(risen, _fits(found)))
+        another = _unless_marks(look.images, warped, look.at_risen(risen, _fits(found)))
         if another is not None:
             found.append(_by_itself(another, images.rig))
             refused = [each for each in refused if not is_part_of(each, another[1].fit, images)]
@@ -63,15 +64,20 @@ def _found(
     """
     if unread.left and warped.shows_nothing_rise(unread.left, others):
         return None
-    found = _unless_marks(warped, look.at_refused(unread, others))
+    found = _unless_marks(look.images, warped, look.at_refused(unread, others))
     if found is not None or not is_whole:
         return found
-    return _unless_marks(warped, refused_in_its_shadow(look, warped, unread, others))
+    return _unless_marks(look.images, warped, refused_in_its_shadow(look, warped, unread, others))
 
 
-def _unless_marks(warped: WarpedViews, seen: Seen | None) -> Seen | None:
+def _unless_marks(images: Images, warped: WarpedViews, seen: Seen | None) -> Seen | None:
     """A solid that is told from marks on the table, and not these in its place, or in that of some of it."""
-    if seen is None or not warped.is_told_from_marks(seen[1].fit) or warped.is_seen_in_place_of(seen[1].fit):
+    if (
+        seen is None
+        or not shows_height(seen[1].fit, images)
+        or not warped.is_told_from_marks(seen[1].fit)
+        or warped.is_seen_in_place_of(seen[1].fit)
+    ):
         return None
     return None if warped.is_seen_in_place_of_some(seen[1].fit) else seen
 

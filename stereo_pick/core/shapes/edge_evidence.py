@@ -18,7 +18,7 @@ from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.edge_rows import CreaseRows, EdgeRows
 from stereo_pick.core.shapes.kinds import cross, dot
-from stereo_pick.core.shapes.locking import ON_EDGE_PX, Beside, edges_beside, trust
+from stereo_pick.core.shapes.locking import ON_EDGE_PX, Beside, edges_beside, trust, with_limb
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.occluders import Hide, Occluders, share_seen
 from stereo_pick.core.shapes.own_shadow import heights
@@ -98,7 +98,7 @@ def edges_seen(
     corners = [silhouettes(solids, rig.eyes_m) for solids in groups]
     found = []
     high = [heights(solids, rig.eyes_m, shaded_on) for solids in groups] if shaded_on else []
-    for solids, at, beside, hide in zip(groups, corners, _beside(groups, corners, views, hides, high), hides):
+    for solids, at, beside, hide in zip(groups, corners, _beside(groups, corners, views, rig, hides, high), hides):
         outer, inner = _silhouettes(solids, beside, rig), _creases(solids, at, views, rig, hide)
         found.append(_seen(outer.turned(turn_rad), inner.turned(turn_rad), beside.hidden, views[0].is_exact))
     return found
@@ -142,6 +142,7 @@ def _beside(
     groups: Sequence[Solids],
     corners: Sequence[Floats],
     views: Sequence[EdgeMap],
+    rig: StereoRig,
     hides: Sequence[Hide],
     high: Sequence[Floats],
 ) -> list[Beside]:
@@ -154,7 +155,8 @@ def _beside(
 
     is_ball = np.concatenate([each.is_ball for each in groups])
     height = np.concatenate(high) if high else None
-    found = edges_beside(np.concatenate(corners), is_ball, views, _POINTS, hide=hide, height=height)
+    has_limb = np.concatenate([with_limb(each, rig) for each in groups])
+    found = edges_beside(np.concatenate(corners), is_ball, views, _POINTS, hide=hide, height=height, has_limb=has_limb)
     return [Beside(*of_group) for of_group in zip(*(np.split(each, ends) for each in found))]
 
 

@@ -16,6 +16,7 @@ from stereo_pick.core.sampling import places_along, sampled
 from stereo_pick.core.shapes.edge_map import NOISE_OF_PIXELS, EdgeMap
 from stereo_pick.core.shapes.fading_limb import SIGMA_PX, fading_limbs
 from stereo_pick.core.shapes.foot import shadow_px
+from stereo_pick.core.shapes.kinds import Round
 from stereo_pick.core.shapes.occluders import Occluders, share_seen
 from stereo_pick.core.shapes.outline import POINTS
 from stereo_pick.core.shapes.own_shadow import heights, in_own_shadow
@@ -64,7 +65,7 @@ def lock(
         corners = silhouettes(solids, rig.eyes_m)
         shifts_px = _SHIFTS_PX if round_ == 0 else (0.0,)
         hide = partial(occluders.hide, solids) if occluders else None
-        beside = edges_beside(corners, solids.is_ball, views, POINTS, shifts_px, hide)
+        beside = edges_beside(corners, solids.is_ball, views, POINTS, shifts_px, hide, has_limb=with_limb(solids, rig))
         sight = beside.sight(rig, table)
         now = fitted(sight, solids)
         held = np.flatnonzero(sight.weight.sum(axis=2).min(axis=1) >= _LEAST_HELD)
@@ -81,7 +82,9 @@ def seen_in_shadow(
     these would draw them along."""
     corners, height = silhouettes(solids, rig.eyes_m), heights(solids, rig.eyes_m, table)
     hide = partial(occluders.hide, solids) if occluders else None
-    beside = edges_beside(corners, solids.is_ball, views, POINTS, hide=hide, height=height)
+    beside = edges_beside(
+        corners, solids.is_ball, views, POINTS, hide=hide, height=height, has_limb=with_limb(solids, rig)
+    )
     return _locked(fitted(beside.sight(rig, table), solids), beside)
 
 
@@ -117,6 +120,7 @@ def edges_beside(
     shifts_px: Sequence[float] = (0.0,),
     hide: Callable[[Floats, int], Bools] | None = None,
     height: Floats | None = None,
+    has_limb: Bools | None = None,
 ) -> Beside:
     """The edges next to so many points of silhouettes (S, 2, K, 2).
 
@@ -131,7 +135,7 @@ def edges_beside(
     sides = []
     for i, view in enumerate(views):
         pixels, across = places[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
-        offset, weight, sigma = _edges_near(view, pixels, across, shifts_px, is_ball)
+        offset, weight, sigma = _edges_near(view, pixels, across, shifts_px, is_ball, has_limb)
         hidden = hide(places[:, i], i) if hide else np.zeros(weight.shape, bool)
         if height is not None:
             on_edge = (weight > 0) & (np.abs(offset) < ON_EDGE_PX)
@@ -144,7 +148,12 @@ def edges_beside(
 
 
 def _edges_near(
-    view: EdgeMap, points_px: Floats, normals: Floats, shifts_px: Sequence[float], is_ball: Bools
+    view: EdgeMap,
+    points_px: Floats,
+    normals: Floats,
+    shifts_px: Sequence[float],
+    is_ball: Bools,
+    has_limb: Bools | None,
 ) -> tuple[Floats, Floats, Floats]:
     """Offset (S, N) [px, inwards] of the clearest edge near each point (S, N, 2), the trust in it, and its sigma [px].
 
@@ -172,14 +181,20 @@ def _edges_near(
     best[0, darker] = np.where((is_ball & (on_outer > on_inner))[part], outer_px, inner_px)
     together = view.noise_together
     sigma_px = _NOISE_PX * np.sqrt(blur_px) * together / np.maximum(np.abs(best[2]), together)
-    if not view.is_exact:
-        unseen = np.flatnonzero(best[1] == 0)
+    if has_limb is not None and not view.is_exact:
+        unseen = np.flatnonzero((best[1] == 0) & has_limb[solid])
         limb_px, found = fading_limbs(straight[unseen], view.modelled_blur_px)
         limb_px -= _MIDDLE_PX
         there = found & (np.abs(limb_px) < ON_EDGE_PX)
         faint = unseen[there]
         best[0, faint], best[1, faint], sigma_px[faint] = limb_px[there], _LIMB, SIGMA_PX
     return best[0].reshape(shape), best[1].reshape(shape), sigma_px.reshape(shape)
+
+
+def with_limb(solids: Solids, rig: StereoRig) -> Bools:
+    """Which (S,) are round, and so thick that what is looked at inside of a limb lies before their middle."""
+    thick_px = solids.half_m[:, 0] * rig.focal_px / solids.centre_m[:, 2]
+    return np.asarray((thick_px > OFFSETS_PX[-1]) & isinstance(solids.kind, Round))
 
 
 def trust(edges: Edges, noise: float) -> Floats:
