@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from stereo_pick.core.shapes.hypotheses import Images
-from stereo_pick.core.shapes.locking import ON_EDGE_PX, edges_beside
+from stereo_pick.core.shapes.locking import ON_EDGE_PX, Limbs, edges_beside
 from stereo_pick.core.shapes.occluders import share_seen
 from stereo_pick.core.shapes.predicted import silhouettes
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -24,6 +24,8 @@ def shows_height(fit: SolidFit, images: Images) -> bool:
     """Whether a solid's edges across the rows show in both views, as far as nothing hides them."""
     solid, known = fit.solid, images.occluders
     hide = partial(known.hide, solid) if known else None
-    beside = edges_beside(silhouettes(solid, images.eyes_m), solid.is_ball, images.maps, _POINTS, hide=hide)
+    beside = edges_beside(
+        silhouettes(solid, images.eyes_m), Limbs.of(solid, images.rig), images.maps, _POINTS, hide=hide
+    )
     across = np.abs(beside.normals[..., 0]) > _ACROSS
     return bool(share_seen((beside.off_px < ON_EDGE_PX) & across, beside.hidden, across).min() >= _LEAST)

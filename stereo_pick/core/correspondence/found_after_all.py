@@ -72,14 +72,12 @@ def _found(
 
 def _unless_marks(images: Images, warped: WarpedViews, seen: Seen | None) -> Seen | None:
     """A solid that is told from marks on the table, and not these in its place, or in that of some of it."""
-    if (
-        seen is None
-        or not shows_height(seen[1].fit, images)
-        or not warped.is_told_from_marks(seen[1].fit)
-        or warped.is_seen_in_place_of(seen[1].fit)
-    ):
+    if seen is None:
         return None
-    return None if warped.is_seen_in_place_of_some(seen[1].fit) else seen
+    fit = seen[1].fit
+    if not shows_height(fit, images) or not warped.is_told_from_marks(fit):
+        return None
+    return None if warped.is_seen_in_place_of(fit) or warped.is_seen_in_place_of_some(fit) else seen
 
 
 def _fits(found: Sequence[Seen]) -> list[SolidFit]:

@@ -18,7 +18,7 @@ from stereo_pick.core.shapes.creases import creases
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.edge_rows import CreaseRows, EdgeRows
 from stereo_pick.core.shapes.kinds import cross, dot
-from stereo_pick.core.shapes.locking import ON_EDGE_PX, Beside, edges_beside, trust, with_limb
+from stereo_pick.core.shapes.locking import ON_EDGE_PX, Beside, Limbs, edges_beside, trust
 from stereo_pick.core.shapes.nearest import nearest_tangents
 from stereo_pick.core.shapes.occluders import Hide, Occluders, share_seen
 from stereo_pick.core.shapes.own_shadow import heights
@@ -153,10 +153,9 @@ def _beside(
     def hide(places: Floats, view: int) -> Bools:
         return np.concatenate([of_group(each, view) for of_group, each in zip(hides, np.split(places, ends))])
 
-    is_ball = np.concatenate([each.is_ball for each in groups])
+    limbs = Limbs(*(np.concatenate(each) for each in zip(*(Limbs.of(each, rig) for each in groups))))
     height = np.concatenate(high) if high else None
-    has_limb = np.concatenate([with_limb(each, rig) for each in groups])
-    found = edges_beside(np.concatenate(corners), is_ball, views, _POINTS, hide=hide, height=height, has_limb=has_limb)
+    found = edges_beside(np.concatenate(corners), limbs, views, _POINTS, hide=hide, height=height)
     return [Beside(*of_group) for of_group in zip(*(np.split(each, ends) for each in found))]
 
 

@@ -36,7 +36,7 @@ _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
 _UNSURE_PX = 0.25  # sigma of a place that counts for half
 ON_EDGE_PX = 0.6
-_LIMB = 0.2  # trust in a limb that fades: half a pixel, by `_UNSURE_PX`
+_FADING = 0.2  # trust in a limb that fades: half a pixel, by `_UNSURE_PX`
 _LEAST_HELD = 8  # points on edges, in each view, without which a solid stays where it is
 
 
@@ -65,7 +65,7 @@ def lock(
         corners = silhouettes(solids, rig.eyes_m)
         shifts_px = _SHIFTS_PX if round_ == 0 else (0.0,)
         hide = partial(occluders.hide, solids) if occluders else None
-        beside = edges_beside(corners, solids.is_ball, views, POINTS, shifts_px, hide, has_limb=with_limb(solids, rig))
+        beside = edges_beside(corners, Limbs.of(solids, rig), views, POINTS, shifts_px, hide)
         sight = beside.sight(rig, table)
         now = fitted(sight, solids)
         held = np.flatnonzero(sight.weight.sum(axis=2).min(axis=1) >= _LEAST_HELD)
@@ -82,15 +82,27 @@ def seen_in_shadow(
     these would draw them along."""
     corners, height = silhouettes(solids, rig.eyes_m), heights(solids, rig.eyes_m, table)
     hide = partial(occluders.hide, solids) if occluders else None
-    beside = edges_beside(
-        corners, solids.is_ball, views, POINTS, hide=hide, height=height, has_limb=with_limb(solids, rig)
-    )
+    beside = edges_beside(corners, Limbs.of(solids, rig), views, POINTS, hide=hide, height=height)
     return _locked(fitted(beside.sight(rig, table), solids), beside)
 
 
 def _locked(now: Fitted, beside: Beside) -> Locked:
     shown = share_seen(beside.off_px < ON_EDGE_PX, beside.hidden)
     return Locked(now, shown, beside.sigma_px.reshape(len(shown), -1))
+
+
+class Limbs(NamedTuple):
+    """Which of S solids are limbs all around (S,), as balls are; and of which (S,) a limb may fade to what is behind:
+    they are round, and so thick that what is looked at inside of it lies before their middle."""
+
+    all_around: Bools
+    fade: Bools
+
+    @staticmethod
+    def of(solids: Solids, rig: StereoRig) -> Limbs:
+        """Those of solids of one kind."""
+        radius_px = solids.half_m[:, 0] * rig.focal_px / solids.centre_m[:, 2]
+        return Limbs(solids.is_ball, (radius_px > OFFSETS_PX[-1]) & isinstance(solids.kind, Round))
 
 
 class Beside(NamedTuple):
@@ -114,17 +126,16 @@ class Beside(NamedTuple):
 
 def edges_beside(
     corners: Floats,
-    is_ball: Bools,
+    limbs: Limbs,
     views: Sequence[EdgeMap],
     points: int,
     shifts_px: Sequence[float] = (0.0,),
     hide: Callable[[Floats, int], Bools] | None = None,
     height: Floats | None = None,
-    has_limb: Bools | None = None,
 ) -> Beside:
     """The edges next to so many points of silhouettes (S, 2, K, 2).
 
-    is_ball: (S,), which of them are limbs all around; shifts_px: where along each normal they are looked for; hide:
+    limbs: which parts of them are limbs; shifts_px: where along each normal they are looked for; hide:
     which places (S, N, 2), normalized, of a view are hidden (S, N); height: (S, 2, K), of the corners, as of `heights`,
     where what ends in its own shadow counts as hidden, too, unless an edge is seen there.
     """
@@ -135,7 +146,7 @@ def edges_beside(
     sides = []
     for i, view in enumerate(views):
         pixels, across = places[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
-        offset, weight, sigma = _edges_near(view, pixels, across, shifts_px, is_ball, has_limb)
+        offset, weight, sigma = _edges_near(view, pixels, across, shifts_px, limbs)
         hidden = hide(places[:, i], i) if hide else np.zeros(weight.shape, bool)
         if height is not None:
             on_edge = (weight > 0) & (np.abs(offset) < ON_EDGE_PX)
@@ -148,12 +159,7 @@ def edges_beside(
 
 
 def _edges_near(
-    view: EdgeMap,
-    points_px: Floats,
-    normals: Floats,
-    shifts_px: Sequence[float],
-    is_ball: Bools,
-    has_limb: Bools | None,
+    view: EdgeMap, points_px: Floats, normals: Floats, shifts_px: Sequence[float], limbs: Limbs
 ) -> tuple[Floats, Floats, Floats]:
     """Offset (S, N) [px, inwards] of the clearest edge near each point (S, N, 2), the trust in it, and its sigma [px].
 
@@ -178,23 +184,20 @@ def _edges_near(
     inner_px = outer_px + shadow_px(view.image, edges_px, -normals[darker], -best[2, darker], noise)
     part = solid[darker]
     on_outer, on_inner = (np.bincount(part, np.abs(px) < ON_EDGE_PX, shape[0]) for px in (outer_px, inner_px))
-    best[0, darker] = np.where((is_ball & (on_outer > on_inner))[part], outer_px, inner_px)
+    best[0, darker] = np.where((limbs.all_around & (on_outer > on_inner))[part], outer_px, inner_px)
     together = view.noise_together
     sigma_px = _NOISE_PX * np.sqrt(blur_px) * together / np.maximum(np.abs(best[2]), together)
-    if has_limb is not None and not view.is_exact:
-        unseen = np.flatnonzero((best[1] == 0) & has_limb[solid])
-        limb_px, found = fading_limbs(straight[unseen], view.modelled_blur_px)
-        limb_px -= _MIDDLE_PX
-        there = found & (np.abs(limb_px) < ON_EDGE_PX)
-        faint = unseen[there]
-        best[0, faint], best[1, faint], sigma_px[faint] = limb_px[there], _LIMB, SIGMA_PX
+    faint = np.flatnonzero((best[1] == 0) & limbs.fade[solid] & (not view.is_exact))
+    fading_px = _fading_px(view, straight[faint])
+    there = np.abs(fading_px) < ON_EDGE_PX
+    best[0, faint[there]], best[1, faint[there]], sigma_px[faint[there]] = fading_px[there], _FADING, SIGMA_PX
     return best[0].reshape(shape), best[1].reshape(shape), sigma_px.reshape(shape)
 
 
-def with_limb(solids: Solids, rig: StereoRig) -> Bools:
-    """Which (S,) are round, and so thick that what is looked at inside of a limb lies before their middle."""
-    thick_px = solids.half_m[:, 0] * rig.focal_px / solids.centre_m[:, 2]
-    return np.asarray((thick_px > OFFSETS_PX[-1]) & isinstance(solids.kind, Round))
+def _fading_px(view: EdgeMap, profiles: Floats) -> Floats:
+    """How far inwards (N,) [px] limbs are that fade in profiles across silhouettes; infinite where there is none."""
+    place_px, found = fading_limbs(profiles, view.modelled_blur_px)
+    return np.asarray(np.where(found, place_px - _MIDDLE_PX, np.inf))
 
 
 def trust(edges: Edges, noise: float) -> Floats:
