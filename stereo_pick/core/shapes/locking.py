@@ -36,7 +36,7 @@ _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
 _UNSURE_PX = 0.25  # sigma of a place that counts for half
 ON_EDGE_PX = 0.6
-_FADING = 0.2  # trust in a limb that fades: half a pixel, by `_UNSURE_PX`
+_FADING = 0.05  # trust in a limb that fades: it tells that a solid ends there, hardly where
 _LEAST_HELD = 8  # points on edges, in each view, without which a solid stays where it is
 
 
