@@ -20,6 +20,7 @@ from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import clash, goes_on_as, is_where, reach_into_each_other
 from stereo_pick.core.correspondence.patterned import patterned
+from stereo_pick.core.correspondence.pieces import Found, ends_above, shorter
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.correspondence.risen import Risen
 from stereo_pick.core.correspondence.second_thoughts import CREASED
@@ -30,10 +31,9 @@ from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.consensus import solids_around
 from stereo_pick.core.shapes.ending import ended
 from stereo_pick.core.shapes.hypotheses import Images
-from stereo_pick.core.shapes.shortening import shortened
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
-from stereo_pick.core.shapes.standing import agree, exactly, nearly, no_surer_than_rivals, standing_candidates
+from stereo_pick.core.shapes.standing import agree, nearly, no_surer_than_rivals, standing_candidates
 from stereo_pick.core.shapes.supported import CHANCE, Supported
 from stereo_pick.core.shapes.table import Table
 
@@ -43,10 +43,8 @@ _REASONS_ALONE = ("left_only", "right_only", "merged")  # ... of which one view 
 MOST = 12  # objects
 _REACH = 1.1  # lengths of the outlines from their middles, where only a part of it may be lit
 _LOOKED_AT = 8  # solids for each object
-_ABOVE = 1 / 4  # of its height, that no shadow at its foot hides
 
 Seen = tuple[Row, Adjusted]
-Found = tuple[Supported, Adjusted]
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +120,8 @@ class LastLook:
         """The best of those that are clear, if it is not open which it is."""
         if not clear:
             return None
-        (first, there), *rest = [one for one in clear if one[1].shows_creases] or clear
+        clearest, *rest = [one for one in clear if one[1].shows_creases] or clear
+        first, there = shorter(self.images, self.table, self.before, clearest) or clearest
         rivals = [each for each, _ in rest]
         longer = self.images.longer(first.fit.solid, self.table)
         if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
@@ -132,22 +131,9 @@ class LastLook:
             else:
                 first, there = longer, beyond
         best = no_surer_than_rivals(first, rivals)
-        if best is None or self._ends_above(there):
+        if best is None or ends_above(self.images, self.table, self.before, there):
             return None
         return (blobs, by_supported(self.images.rig, best)), there
-
-    def _ends_above(self, found: Adjusted) -> bool:
-        """Whether a piece of a solid shows clearly more of itself, and ends well above the table: so it stands on
-        something else. But the lit top of what stands on the table shows clearly, too."""
-        images = self.images
-        least_m = _ABOVE * (found.fit.reach_m(self.table.normal) + found.fit.reach_m(-self.table.normal))
-        for each in exactly(images, shortened(found.fit.solid, images.eyes_m, images.maps, None), None):
-            there = adjusted([each.fit], images.maps, images.rig, None, before=self.before)[0][0]
-            if is_flat(there.fit) or not there.is_clear or there.shown <= found.shown + CHANCE:
-                continue
-            if float(self.table.under(there.fit.solid)[0][0]) > least_m:
-                return True
-        return False
 
     def at_refused(self, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
         """The same of what was refused, if need be by the outline of one view, and where the table has it in the

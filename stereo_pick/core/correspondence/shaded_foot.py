@@ -10,9 +10,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stereo_pick.core.correspondence.carried import as_predicted, carried
-from stereo_pick.core.correspondence.last_look import Found, LastLook, Seen
+from stereo_pick.core.correspondence.last_look import LastLook, Seen
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
+from stereo_pick.core.correspondence.pieces import Found
 from stereo_pick.core.correspondence.position import BlobPair, by_supported
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.shapes.open_end import has_open_end

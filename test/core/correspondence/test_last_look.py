@@ -13,7 +13,7 @@ from marks import first_of, more
 from rendered_solids import FROM_ABOVE, PARTS, PLACED, RIG, centre_m, rectified, solid_of, true_fit
 from rendering import Cylinder, Scene, Solid
 
-from stereo_pick.core.correspondence import evident, last_look
+from stereo_pick.core.correspondence import evident, last_look, pieces
 from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.correspondence.last_look import LastLook, Seen, may_be_found
 from stereo_pick.core.correspondence.left_over import Unread
@@ -166,11 +166,24 @@ def test_what_ends_above_the_table_does_not_reach_down_to_it(monkeypatch: pytest
     upright, reaching = believed(true), believed(longer)
     monkeypatch.setattr(last_look, "nearly", lambda *_: [reaching])
     assert LastLook(images, below, [], []).at(blobs, []) is None
-    monkeypatch.setattr(last_look, "shortened", lambda *_: [])
+    monkeypatch.setattr(pieces, "shortened", lambda *_: [])
     assert LastLook(images, below, [], []).at(blobs, []) is not None
     monkeypatch.undo()
     monkeypatch.setattr(last_look, "nearly", lambda *_: [upright])
     assert LastLook(images, TABLE, [], []).at(blobs, []) is not None
+
+
+@pytest.mark.parametrize("end", [-1.0, 1.0])
+def test_what_goes_on_beyond_a_part_is_none_of_it(monkeypatch: pytest.MonkeyPatch, end: float) -> None:
+    """A box and tape beside it on the table were published as one box, 7 mm from the box's centre, and sure of it."""
+    images, blobs, scene = lone(PARTS["box"])
+    true = solid_of(RIG, scene, PARTS["box"])
+    wider = believed(stretched_by(true, [(1, end)], np.array([0.02])))
+    monkeypatch.setattr(last_look, "nearly", lambda *_: [wider])
+    monkeypatch.setattr(LastLook, "_clear_ones", lambda _, __, free, ___: free)
+    seen = at(images, blobs, [], [])
+    assert seen is not None
+    np.testing.assert_allclose(seen[1].fit.centre_m, true.centre_m[0], atol=5e-4)
 
 
 def test_where_it_is_open_which_of_two_it_is_neither_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -197,7 +210,7 @@ def test_what_shows_its_creases_is_taken_before_what_shows_more_of_its_silhouett
     several = [Supported(each, 0.9, 0.05, believable=True) for each in (longer, fit)]
     shows = {longer: (0.82, 0.6), fit: (0.75, 0.9)}
     monkeypatch.setattr(last_look, "nearly", lambda *_: several)
-    monkeypatch.setattr(last_look, "shortened", lambda *_: [])
+    monkeypatch.setattr(pieces, "shortened", lambda *_: [])
     monkeypatch.setattr(
         last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], *shows[fits[0]], True, 0.0)], TABLE)
     )
@@ -286,7 +299,7 @@ def test_a_body_seen_above_the_table_is_not_one_that_reaches_down_to_it(
     cap = replace(body, size_m=np.array([0.04, 0.04, 0.005]))
     for taken_for in (body, cap, None):
         assert look.at_refused(Unread("off_table", *blobs, taken_for), []) is None
-    monkeypatch.setattr(last_look, "shortened", lambda *_: [])
+    monkeypatch.setattr(pieces, "shortened", lambda *_: [])
     assert look.at_refused(Unread("off_table", *blobs, body), []) is None
     for taken_for in (cap, None):
         longer = look.at_refused(Unread("off_table", *blobs, taken_for), [])
