@@ -82,7 +82,7 @@ def _locate(
     return _by_tube(images, tube)
 
 
-def as_lying_tube(images: Images, blobs: BlobPair, table: Table) -> Located | None:
+def as_tube_on(images: Images, blobs: BlobPair, table: Table) -> Located | None:
     """What the outlines alone leave open as a tube that lies or stands on the table; None where that is not seen. Its
     outlines may fade on one side: they need not tell how high up it is."""
     outlines = trusted_outlines(blobs, SHARP)

@@ -9,7 +9,7 @@ import numpy as np
 
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.frontier import reaches_down
-from stereo_pick.core.correspondence.located import TOP, as_lying_tube, convex_outlines, is_flat, may_be_a_top
+from stereo_pick.core.correspondence.located import TOP, as_tube_on, convex_outlines, is_flat, may_be_a_top
 from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_each_place
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.shapes import SolidFit
@@ -91,7 +91,7 @@ class OnTable:
         if fit is None:
             if on_it is not None:
                 return by_supported(self.images.rig, on_it)
-            where = as_lying_tube(self.images, blobs, self.table) or where
+            where = as_tube_on(self.images, blobs, self.table) or where
             return where if reaches_down(*blobs, self.images.rig, self.table) else replace(where, reason="half_lit")
         hangs = _hangs_clear(self.table, fit)
         if on_it is not None and in_the_air is not None:
