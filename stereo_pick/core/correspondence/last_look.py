@@ -25,7 +25,7 @@ from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_
 from stereo_pick.core.correspondence.risen import Risen
 from stereo_pick.core.correspondence.second_thoughts import CREASED
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.shapes.adjusted import Adjusted
+from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.consensus import solids_around
@@ -122,6 +122,8 @@ class LastLook:
             return None
         clearest, *rest = [one for one in clear if one[1].shows_creases] or clear
         first, there = shorter(self.images, self.table, self.before, clearest) or clearest
+        if there is not clearest[1] and there.shown <= MOST_SHOWN:
+            return None
         rivals = [each for each, _ in rest]
         longer = self.images.longer(first.fit.solid, self.table)
         if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
