@@ -67,7 +67,8 @@ def _found(
     found = _unless_marks(look.images, warped, look.at_refused(unread, others))
     if found is not None or not is_whole:
         return found
-    return _unless_marks(look.images, warped, refused_in_its_shadow(look, warped, unread, others))
+    found = _unless_marks(look.images.with_fading_limbs(), warped, look.at_fading(unread, others))
+    return found or _unless_marks(look.images, warped, refused_in_its_shadow(look, warped, unread, others))
 
 
 def _unless_marks(images: Images, warped: WarpedViews, seen: Seen | None) -> Seen | None:

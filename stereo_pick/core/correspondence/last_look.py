@@ -31,6 +31,7 @@ from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.consensus import solids_around
 from stereo_pick.core.shapes.ending import ended
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.kinds import KINDS, Round
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.standing import agree, nearly, no_surer_than_rivals, standing_candidates
@@ -148,6 +149,11 @@ class LastLook:
             return None
         (blobs, where), there = found
         return (as_predicted(unread, blobs, there.fit, self.images.rig), where), there
+
+    def at_fading(self, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
+        """The same as a round solid, where limbs as bright as what is behind them count as edges."""
+        found = replace(self, images=self.images.with_fading_limbs()).at_refused(unread, others)
+        return found if found and isinstance(KINDS[found[1].fit.kind], Round) else None
 
     def _shown(self, fit: SolidFit | None) -> float:
         """How much of its silhouette a body shows that what was refused was taken for; 0 of what may be a lit top."""

@@ -164,16 +164,6 @@ def is_flat(fit: SolidFit, flat: float = _FLAT) -> bool:
     return fit.flatness < flat
 
 
-def may_be_a_top(blobs: BlobPair, fit: SolidFit) -> bool:
-    """Whether what a solid explains may be the lit top of another: it is flat, or as round and sharp all around as the
-    end of a cylinder is from above."""
-    return is_flat(fit, TOP) or (fit.kind == SPHERE.name and _is_sharp(blobs))
-
-
-def _is_sharp(blobs: BlobPair) -> bool:
-    return min(float(np.median(blob.sharpness)) for blob in blobs) >= SHARP_LIMB
-
-
 def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> Supported | None:
     """A longer solid that makes this one doubtful.
 
@@ -182,7 +172,7 @@ def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> S
     """
     if fit.kind != SPHERE.name:
         return images.contradicts(fit.solid)
-    if not _is_sharp(blobs):
+    if min(float(np.median(blob.sharpness)) for blob in blobs) < SHARP_LIMB:
         return None
     longer = images.contradicts(images.of_kind(outlines, CYLINDER)[0])
     return longer if longer is not None and longer.believable else None

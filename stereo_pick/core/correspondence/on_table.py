@@ -9,7 +9,7 @@ import numpy as np
 
 from stereo_pick.core.correspondence.clear_of import clear_of
 from stereo_pick.core.correspondence.frontier import reaches_down
-from stereo_pick.core.correspondence.located import TOP, as_tube_on, convex_outlines, is_flat, may_be_a_top
+from stereo_pick.core.correspondence.located import TOP, as_tube_on, convex_outlines, is_flat
 from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_each_place
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.shapes import SolidFit
@@ -101,7 +101,7 @@ class OnTable:
                 off_m = on_it.fit.centre_m - fit.centre_m
                 unsure = replace(on_it, doubt=on_it.doubt + np.outer(off_m, off_m))
                 return by_supported(self.images.rig, unsure)
-        if stands_on(self.table, fit) or (hangs and not may_be_a_top(blobs, fit)):
+        if stands_on(self.table, fit) or (hangs and not is_flat(fit, TOP)):
             return where
         if on_it is not None and on_it.is_exact:
             return by_supported(self.images.rig, on_it)

@@ -45,6 +45,7 @@ class EdgeMap:
     """A rectified view (H, W), one sigma of its gradient [grey levels/px] where there are no edges, and the blur of
     its lens [px, one sigma]. is_exact: whether edges are placed as exactly as can be, which is for known ones alone.
     is_noisy: whether neighbours on a line have to be looked at together, since noise hides the edge of each.
+    fading_limbs: whether limbs as bright as what is behind them count as edges.
 
     The gradient is made where it is asked for: that takes a fraction of the time that the whole view takes.
     """
@@ -55,6 +56,7 @@ class EdgeMap:
     blur_px: float
     is_exact: bool = False
     is_noisy: bool = False
+    fading_limbs: bool = False
 
     @property
     def light(self) -> float:

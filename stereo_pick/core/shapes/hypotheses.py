@@ -69,6 +69,12 @@ class Images:
         found.in_shadow = True
         return found
 
+    def with_fading_limbs(self) -> Images:
+        """The same views, where limbs as bright as what is behind them count as edges."""
+        found = self._asked_anew()
+        found.maps = [replace(each, fading_limbs=True) for each in self.maps]
+        return found
+
     def _asked_anew(self) -> Images:
         """The same views, of which other solids may be supported."""
         found = copy(self)

@@ -36,7 +36,7 @@ _MIN_STEP = 4.0  # noise sigmas
 _MIN_SHARPNESS = 0.25
 _UNSURE_PX = 0.25  # sigma of a place that counts for half
 ON_EDGE_PX = 0.6
-_FADING = 0.05  # trust in a limb that fades: it tells that a solid ends there, hardly where
+_FADING = 0.2  # trust in a limb that fades: half a pixel, by `_UNSURE_PX`
 _LEAST_HELD = 8  # points on edges, in each view, without which a solid stays where it is
 
 
@@ -187,7 +187,7 @@ def _edges_near(
     best[0, darker] = np.where((limbs.all_around & (on_outer > on_inner))[part], outer_px, inner_px)
     together = view.noise_together
     sigma_px = _NOISE_PX * np.sqrt(blur_px) * together / np.maximum(np.abs(best[2]), together)
-    faint = np.flatnonzero((best[1] == 0) & limbs.fade[solid] & (not view.is_exact))
+    faint = np.flatnonzero((best[1] == 0) & limbs.fade[solid] & view.fading_limbs)
     fading_px = _fading_px(view, straight[faint])
     there = np.abs(fading_px) < ON_EDGE_PX
     best[0, faint[there]], best[1, faint[there]], sigma_px[faint[there]] = fading_px[there], _FADING, SIGMA_PX

@@ -27,7 +27,7 @@ _ROUGH = 1 / 50  # of its diameter by which a tube's outlines may lie off it ...
 _MOST = 2 / 3  # ... of their points
 _FEW = 4  # tubes that come near to rough outlines, of which several may by as much
 _LEAST_AT_END = 3  # points, in both views: two agree where one is wrong
-_MORE_ROUNDS = 12  # after the search, which ends some micrometres short, and not always at the same ones
+_MORE_ROUNDS = 30  # after the search, which ends some micrometres short, and not always at the same ones
 
 
 def tube_of(images: Images, outlines: Pair, table: Table | None = None) -> Supported | None:

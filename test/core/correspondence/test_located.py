@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 from families import staged
 from marks import first_of
-from outlines import disc
 from rendered_solids import half_lit_scene
 from rendering import Box, Cylinder, Scene, Solid, render
 from rendering.rigs import table_before
@@ -18,11 +16,9 @@ from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.feature import Feature
-from stereo_pick.core.correspondence.located import may_be_a_top
 from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.poses import ObjectPoses
 from stereo_pick.core.refusal import count_reasons
-from stereo_pick.core.shapes import SolidFit
 
 RIG = RIGS["thesis"]
 TABLE = table_before(RIG, 0.9, elevation_deg=50)
@@ -138,21 +134,3 @@ def test_touching_parts_are_no_tube_with_a_bite() -> None:
     poses = Pipeline(scene.rig, Steps()).run(frame).poses
     centres = np.array([each.centre_m for each in truth.objects])
     assert np.linalg.norm(poses.xyz[:, None] - centres, axis=2).min(axis=1).max() < 5e-3
-
-
-@pytest.mark.parametrize(
-    ("kind", "thick_m", "sharpness", "expected"),
-    [
-        ("sphere", 0.04, 0.9, True),
-        ("sphere", 0.04, 0.5, False),
-        ("cylinder", 0.04, 0.9, False),
-        ("box", 0.001, 0.5, True),
-    ],
-)
-def test_what_is_round_and_sharp_all_around_may_be_the_top_of_a_cylinder(
-    kind: str, thick_m: float, sharpness: float, expected: bool
-) -> None:
-    """The end of one, above the table, was published as a ball that hangs there, 19 mm from the cylinder's centre."""
-    blob = replace(disc(100, 100), sharpness=np.full(64, sharpness))
-    fit = SolidFit(kind, np.array([0, 0, 0.5]), np.eye(3), np.array([0.04, 0.04, thick_m]), 0.1, 1e-8 * np.eye(3))
-    assert may_be_a_top((blob, blob), fit) is expected

@@ -66,6 +66,8 @@ def test_a_ball_as_bright_at_its_limb_as_the_table_is_seen(sign: int) -> None:
         facing = np.sqrt(np.maximum(1 - (centre_m @ centre_m - along**2) / BALL.half_m[0, 0] ** 2, 0))
         views.append(grey_image(120 + sign * 100 * facing**1.6))
     images = Images(RectifiedPair(*views, PARALLEL))
+    assert lock(BALL, images.maps, PARALLEL).shown.max() == 0
+    images = images.with_fading_limbs()
     found = lock(BALL, images.maps, PARALLEL)
     assert found.shown.min() > 0.5
     np.testing.assert_allclose(found.fit.solids.centre_m, BALL.centre_m, atol=2e-3)
