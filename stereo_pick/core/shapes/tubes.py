@@ -27,7 +27,8 @@ _ROUGH = 1 / 50  # of its diameter by which a tube's outlines may lie off it ...
 _MOST = 2 / 3  # ... of their points
 _FEW = 4  # tubes that come near to rough outlines, of which several may by as much
 _LEAST_AT_END = 3  # points, in both views: two agree where one is wrong
-_MORE_ROUNDS = 30  # after the search, which ends some micrometres short, and not always at the same ones
+_TIMES = 3  # that an end which touches something is looked for, from where the tube was the time before
+_MORE_ROUNDS = 12  # after the search, which ends some micrometres short, and not always at the same ones
 
 
 def tube_of(images: Images, outlines: Pair, table: Table | None = None) -> Supported | None:
@@ -36,12 +37,24 @@ def tube_of(images: Images, outlines: Pair, table: Table | None = None) -> Suppo
 
     table: what all of these stand on, if that is known; else an end that touches something is not looked for.
     """
-    tube, sight, rough_px = _nearest(images, outlines, table)
-    if _share(tube, rough_px) < _MOST:
+    found = _found(images, outlines, table)
+    if found is None and table is not None:
+        tube, sight, _ = _nearest(images, outlines, table)
+        mended = with_touching_ends(outlines, _settled(sight, tube).solids, images.maps, images.eyes_m)
+        found = _found(images, mended, table)
+    if found is None:
         return None
-    if table is not None and not _shows_both_ends(_own_edges(sight, tube)):
-        outlines = with_touching_ends(outlines, tube.solids, images.maps, images.eyes_m)
-        tube, sight, rough_px = _nearest(images, outlines, table)
+    tube, share, rivals = found
+    for _ in range(1 if table is None else _TIMES):  # by its own edges alone: the table is known by those of others
+        own = with_touching_ends(outlines, tube.solids, images.maps, images.eyes_m) if table else outlines
+        sight = Sight.of([own], images.rig).without_corners()
+        tube = _settled(sight, _seen_as(sight, tube.solids))
+    return _as_cylinder(tube, share, centre_covariance(_own_edges(sight, tube), NOISE_PX)[0], rivals)
+
+
+def _found(images: Images, outlines: Pair, table: Table | None) -> tuple[Fitted, float, list[Floats]] | None:
+    """The tube, the share of the outlines that lie on it, and the centres of what explains as much."""
+    tube, sight, rough_px = _nearest(images, outlines, table)
     share, own = _share(tube, rough_px), _own_edges(sight, tube)
     if share < _MOST or not _shows_both_ends(own) or not determined(own, centre_covariance(own, NOISE_PX, table))[0]:
         return None
@@ -49,10 +62,7 @@ def tube_of(images: Images, outlines: Pair, table: Table | None = None) -> Suppo
     shares = [_share(each, rough_px) for each in others]
     if max(shares) > share + CHANCE:
         return None
-    rivals = [each.solids.centre_m[0] for each, much in zip(others, shares) if much > share - CHANCE]
-    for _ in range(_MORE_ROUNDS):
-        tube = refine(sight, tube, rounds=1)
-    return _as_cylinder(tube, share, centre_covariance(_own_edges(sight, tube), NOISE_PX, table)[0], rivals)
+    return tube, share, [each.solids.centre_m[0] for each, much in zip(others, shares) if much > share - CHANCE]
 
 
 def _nearest(images: Images, outlines: Pair, table: Table | None) -> tuple[Fitted, Sight, float]:
@@ -62,6 +72,12 @@ def _nearest(images: Images, outlines: Pair, table: Table | None) -> tuple[Fitte
     tubes = [_seen_as(sight, found.solids.only(np.array([i]))) for i in range(len(found.weight))]
     rough_px = max(_ROUGH * _width_px(tubes[0].solids, sight.focal_px), NOISE_PX)
     return max(tubes, key=lambda each: _share(each, rough_px)), sight, rough_px
+
+
+def _settled(sight: Sight, tube: Fitted) -> Fitted:
+    for _ in range(_MORE_ROUNDS):
+        tube = refine(sight, tube, rounds=1)
+    return tube
 
 
 def _own_edges(sight: Sight, tube: Fitted) -> Fitted:
