@@ -40,8 +40,7 @@ class Evident:
     def is_clear(self, blobs: BlobPair, found: Supported, there: Adjusted, most_shown: float) -> bool:
         """Whether an object of these outlines is a solid, where all its edges put that, by them or by its pattern;
         most_shown: of its silhouette, of any other solid that it may be."""
-        is_ball = there.fit.kind == SPHERE.name
-        if (is_ball or not there.is_astray) and (
+        if not there.is_astray and (
             self._shows_itself(found, there, most_shown) or self._is_told(blobs, there, most_shown)
         ):
             return True
