@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from stereo_pick.core.correspondence.along_rows import shows_height
 from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone
@@ -67,7 +68,8 @@ def _found(
     found = _unless_marks(look.images, warped, look.at_refused(unread, others))
     if found is not None or not is_whole:
         return found
-    found = _unless_marks(look.images.with_fading_limbs(), warped, look.at_fading(unread, others))
+    fading = replace(look, images=look.images.with_fading_limbs())
+    found = _unless_marks(fading.images, warped, fading.at_fading(unread, others))
     return found or _unless_marks(look.images, warped, refused_in_its_shadow(look, warped, unread, others))
 
 

@@ -151,8 +151,8 @@ class LastLook:
         return (as_predicted(unread, blobs, there.fit, self.images.rig), where), there
 
     def at_fading(self, unread: Unread, others: Sequence[SolidFit]) -> Seen | None:
-        """The same as a round solid, where limbs as bright as what is behind them count as edges."""
-        found = replace(self, images=self.images.with_fading_limbs()).at_refused(unread, others)
+        """The same as a round solid: what else has no limbs that may fade, which count as edges in these images."""
+        found = self.at_refused(unread, others)
         return found if found and isinstance(KINDS[found[1].fit.kind], Round) else None
 
     def _shown(self, fit: SolidFit | None) -> float:

@@ -32,9 +32,8 @@ def fading_limbs(profiles: Floats, blur_px: float) -> tuple[Floats, Bools]:
     best, row = np.clip(least, 1, len(_PLACES_PX) - 2), np.arange(len(least))
     before, at, after = (squares[row, best + by] for by in (-1, 0, 1))
     smooth = total - ((change @ _SMOOTH) ** 2).sum(axis=1)
-    return _PLACES_PX[best] + vertex(before, at, after) * _STEP_PX, (best == least) & (
-        smooth > _CLEARLY * (at + _ROUNDING)
-    )
+    found = (best == least) & (smooth > _CLEARLY * (at + _ROUNDING))
+    return _PLACES_PX[best] + vertex(before, at, after) * _STEP_PX, found
 
 
 def _smooth() -> Floats:

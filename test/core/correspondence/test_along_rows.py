@@ -48,6 +48,6 @@ def test_a_rod_shows_it(turn_deg: float) -> None:
 
 @pytest.mark.parametrize("turn_deg", [0, 10])
 def test_a_printed_line_along_the_rows_does_not_look_like_a_rod_at_its_ends(turn_deg: float) -> None:
-    """The white border of a marker was published as a rod, sure to be one: nine tenths of its silhouette showed."""
+    """A version that never landed published the white border of a marker as a rod, nine tenths of which showed."""
     fit = rod(turn_deg)
     assert not shows_height(fit, seen(fit, 2.0))

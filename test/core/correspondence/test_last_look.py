@@ -175,7 +175,7 @@ def test_what_ends_above_the_table_does_not_reach_down_to_it(monkeypatch: pytest
 
 @pytest.mark.parametrize("end", [-1.0, 1.0])
 def test_what_goes_on_beyond_a_part_is_none_of_it(monkeypatch: pytest.MonkeyPatch, end: float) -> None:
-    """A box and tape beside it on the table were published as one box, 7 mm from the box's centre, and sure of it."""
+    """A version that never landed published a box and tape beside it as one box, 7 mm off, and sure of it."""
     images, blobs, scene = lone(PARTS["box"])
     true = solid_of(RIG, scene, PARTS["box"])
     wider = believed(stretched_by(true, [(1, end)], np.array([0.02])))
