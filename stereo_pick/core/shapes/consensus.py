@@ -17,12 +17,14 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.edgels import PER_RAY, RAYS, edgels_around
 from stereo_pick.core.shapes.kinds import BOX, KINDS, Kind, dot
+from stereo_pick.core.shapes.linear_systems import solutions
 from stereo_pick.core.shapes.sight import normalized, tangent_planes
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.starts import orientations
 from stereo_pick.core.shapes.table import Table
 
 _GUESSES = 1200  # of each orientation
+_AT_ONCE = 4  # orientations: more do not fit into a processor's cache
 _FINER = 3  # orientations than for a search that turns them ...
 _FINEST = 12  # ... where what is found is not turned either: the ends of what is 100 px long are off by half a pixel
 _BETTERED, _ROUNDS = 150, 2  # the best guesses, by all the edges that they agree with
@@ -168,28 +170,20 @@ def _support(kind: Kind, directions: Floats) -> Floats:
 
 def _guesses(problem: _Problem, reach_m: float, draw: np.random.Generator) -> tuple[Ints, Floats]:
     """The orientations (S,) and the unknowns (S, 2 + sizes) of those guesses that are possible."""
-    grid, edges, unknowns = problem.rows.shape
     chosen = _drawn(problem, draw)
-    first = np.arange(0, grid * edges, edges)[:, None, None]  # of each orientation's rows
-    matrix = problem.rows.reshape(-1, unknowns).take(first + chosen, axis=0)
-    solved = solutions(matrix.reshape(-1, unknowns, unknowns), problem.right_m[chosen].reshape(-1, unknowns))
+    solved = np.concatenate([_solved(problem, first, chosen) for first in range(0, len(chosen), _AT_ONCE)])
     possible = np.flatnonzero(_possible(solved, reach_m))
     return possible // _GUESSES, solved[possible]
 
 
-def solutions(matrix: Floats, right: Floats) -> Floats:
-    """Solutions (S, K) of systems (S, K, K), (S, K), and anything, or no numbers, where a system is singular:
-    np.linalg.solve gives none at all then."""
-    rows = np.ascontiguousarray(np.concatenate([matrix, right[..., None]], axis=2).transpose(1, 2, 0))
-    with np.errstate(all="ignore"):
-        for i, pivot in enumerate(rows):
-            for below in rows[i + 1 :]:
-                larger = np.abs(below[i]) > np.abs(pivot[i])
-                pivot[i:], below[i:] = np.where(larger, below[i:], pivot[i:]), np.where(larger, pivot[i:], below[i:])
-            pivot[i + 1 :] /= pivot[i]
-            for other in (*rows[:i], *rows[i + 1 :]):
-                other[i + 1 :] -= other[i] * pivot[i + 1 :]
-    return rows[:, -1].T
+def _solved(problem: _Problem, first: int, chosen: Ints) -> Floats:
+    """The unknowns (S, 2 + sizes) of all guesses of the few orientations from the first on, by their chosen edges."""
+    rows, edges = problem.rows[first : first + _AT_ONCE], chosen[first : first + _AT_ONCE]
+    grid, count, unknowns = rows.shape
+    equations = np.append(rows, np.broadcast_to(problem.right_m[:, None], (grid, count, 1)), axis=2)
+    columns = equations.reshape(-1, unknowns + 1).T
+    each = (edges + np.arange(0, grid * count, count)[:, None, None]).reshape(-1, unknowns)
+    return solutions(columns.take(each.T, axis=1).transpose(1, 0, 2))
 
 
 def _drawn(problem: _Problem, draw: np.random.Generator) -> Ints:

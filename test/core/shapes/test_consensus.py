@@ -9,7 +9,7 @@ from rendering import HexPrism, Scene, Solid, hex_prism_size
 
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.frames import RectifiedPair
-from stereo_pick.core.shapes.consensus import solids_around, solutions
+from stereo_pick.core.shapes.consensus import solids_around
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.edgels import edgels_around
 from stereo_pick.core.shapes.hypotheses import Images
@@ -134,15 +134,3 @@ def test_rays_find_the_edge_all_around_whichever_side_is_brighter(inside_is: flo
     np.testing.assert_allclose(radius[edgels.found], 20.0, atol=0.8)
     outward = (edgels.normals * from_middle).sum(axis=2) / radius
     assert outward[edgels.found].min() > 0.99
-
-
-@pytest.mark.parametrize("unknowns", [3, 4, 5])
-def test_systems_are_solved_beside_singular_ones(unknowns: int) -> None:
-    """As those of boxes are, of which many begin with a zero."""
-    random = np.random.default_rng(unknowns)
-    matrix = random.integers(-1, 2, (2000, unknowns, unknowns)).astype(float)
-    right = random.normal(size=(2000, unknowns))
-    regular = np.abs(np.linalg.det(matrix)) > 0.5
-    found = solutions(matrix, right)
-    np.testing.assert_allclose(found[regular], np.linalg.solve(matrix[regular], right[regular][..., None])[..., 0])
-    assert 100 < regular.sum() < 1900
