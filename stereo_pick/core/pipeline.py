@@ -9,7 +9,7 @@ import numpy as np
 from stereo_pick.core.correspondence import Correspondences, Method
 from stereo_pick.core.correspondence.correspondences import collect
 from stereo_pick.core.correspondence.feature import Feature
-from stereo_pick.core.correspondence.levelling import turn_of
+from stereo_pick.core.correspondence.levelling import Turn, turn_of
 from stereo_pick.core.correspondence.rig_check import rig_fault
 from stereo_pick.core.correspondence.unseen import unseen
 from stereo_pick.core.errors import ImageError
@@ -56,11 +56,19 @@ class Steps:
         if fault := rig_fault(blobs, pair.rig):
             return _none_of(blobs, fault)
         turn = turn_of(blobs, pair.rig)
-        if turn is None:
-            return self._match(pair, blobs)
+        return self._match(pair, blobs) if turn is None else self._turned(turn, pair, blobs)
+
+    def _turned(self, turn: Turn, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
+        """What is found where a camera has turned; what is found without that, if solids explain more of it: then
+        shadows and high lights, which begin and end elsewhere in each view, looked like a turn."""
+        undone = self._match(*turn.undone(pair, blobs))
+        if undone.explained < len(undone) + len(undone.refused):
+            found = self._match(pair, blobs)
+            if found.explained > undone.explained:
+                return found
         if turn.is_too_far:
             return _none_of(blobs, "misaligned", f"turned by {np.rad2deg(turn.angle_rad):.2f} deg")
-        return turn.told(self._match(*turn.undone(pair, blobs)))
+        return turn.told(undone)
 
     def _match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         try:

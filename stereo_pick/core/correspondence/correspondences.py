@@ -52,6 +52,11 @@ class Correspondences:
         return len(self.left_px)
 
     @property
+    def explained(self) -> int:
+        """How many a solid explains."""
+        return sum(extent is not None for extent in self.extents)
+
+    @property
     def notice(self) -> str:
         """What of the rig, or of the table that is given, should be put right; empty where nothing."""
         if not self.turned_px:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -18,7 +18,10 @@ from solid_outlines import Part, contour_px
 from solids_on_table import MIXED, RIG, Standing, part_on_table
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
+from stereo_pick.core.correspondence.extent import Extent
 from stereo_pick.core.correspondence.levelling import turn_of
+from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.pipeline import Pipeline, Result, Steps
@@ -175,3 +178,32 @@ def test_a_turn_after_which_depths_are_anybodys_guess_is_refused() -> None:
     result, _ = located((0, 0, 0.004))
     assert len(result.poses) == 0
     assert {(each.reason, each.detail) for each in result.poses.refused} == {("misaligned", "turned by 0.23 deg")}
+
+
+@dataclass(frozen=True)
+class Explaining(Method):
+    """Explains all outlines by solids but those that were moved, of which it leaves out so many."""
+
+    left_out: int = 0
+    as_seen: Blobs | None = None
+
+    def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
+        """As many matches as outlines, the first of which are of no known shape where they were moved."""
+        open_ = self.left_out if blobs is not self.as_seen else 0
+        solid = Extent("box", np.eye(3), np.full(3, 0.04))
+        extents = [None if i < open_ else solid for i in range(len(blobs.left))]
+        places = [(left.centroid_px, right.centroid_px) for left, right in zip(blobs.left, blobs.right)]
+        return collect([Match(*px, (0.1, 0.1), (9.0, 9.0), 0.0, extent) for px, extent in zip(places, extents)], [])
+
+
+@pytest.mark.parametrize(("turn_rad", "told"), [((0.001, 0, 0.0005), True), ((0, 0, 0.004), False)])
+@pytest.mark.parametrize("left_out", [0, 1, 3])
+def test_after_what_is_no_turn_solids_would_explain_less(turn_rad: Sequence[float], told: bool, left_out: int) -> None:
+    """Ends of shadows can lie as if a camera had turned; whole outlines cannot."""
+    blobs = blobs_of(turn_rad)
+    steps = Steps(method=Explaining(left_out=left_out, as_seen=blobs))
+    found = steps.matched(RectifiedPair(EMPTY, EMPTY, RIG), blobs)
+    assert turn_of(blobs, RIG) is not None
+    assert (found.turned_px > 0) == (told and not left_out)
+    assert len(found) == (0 if not told and not left_out else len(blobs.left))
+    assert {each.reason for each in found.refused} == (set() if len(found) else {"misaligned"})
