@@ -22,13 +22,17 @@ def by_certainty(
     enough themselves.
     """
     sure, unsure = _by_sigma(rows, rig, most)
-    still, less = _by_sigma(as_unsure_as_whole(sure, [*refused, *unsure], rig, warped), rig, most)
-    return still, unsure + less
+    still, less = _by_sigma(as_unsure_as_whole(sure, unsure, [*refused, *_uncertain(unsure)], rig, warped), rig, most)
+    return still, _uncertain(unsure + less)
 
 
-def _by_sigma(rows: Sequence[Row], rig: StereoRig, most: float) -> tuple[list[Row], list[Unread]]:
+def _by_sigma(rows: Sequence[Row], rig: StereoRig, most: float) -> tuple[list[Row], list[Row]]:
     sure = [row for row in rows if sigma_of_width(*row, rig) <= most]
-    return sure, [Unread("uncertain", *row[0]) for row in rows if row not in sure]
+    return sure, [row for row in rows if row not in sure]
+
+
+def _uncertain(rows: Sequence[Row]) -> list[Unread]:
+    return [Unread("uncertain", *blobs) for blobs, _ in rows]
 
 
 def sigma_of_width(blobs: BlobPair, where: Located, rig: StereoRig) -> float:

@@ -19,20 +19,27 @@ from stereo_pick.core.correspondence.flush_boxes import are_flush, moved_m
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import BlobPair, Row, of_size
+from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.beside import are_beside
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _SHADE = "beside_bright"
+_CUT = "cut_by_border"
 
 
 def as_unsure_as_whole(
-    rows: Sequence[Row], unread: Sequence[Unread], rig: StereoRig, warped: WarpedViews | None
+    rows: Sequence[Row],
+    unsure: Sequence[Row],
+    unread: Sequence[Unread],
+    rig: StereoRig,
+    warped: WarpedViews | None,
 ) -> list[Row]:
-    """The same, each as unsure as its centre would move if what touches it and is refused, or is flush with it, were a
-    piece of it; and where two parts were cut apart, and one of them is none, the other may end elsewhere. warped: what
-    lies there, and so is no piece of what stands there."""
+    """The same, each as unsure as its centre would move if what touches it and is refused, or is flush with it, sure or
+    unsure, were a piece of it; and where two parts were cut apart, and one is none, the other may end elsewhere.
+    warped: what lies there, and so is no piece of what stands there."""
     others = [(each.left, each.right) for each in unread if each.left and each.right and each.reason != _SHADE]
+    others += _alone_on_same_rows([each for each in unread if each.reason not in (_SHADE, _CUT)])
     fits = [where.fit for _, where in rows if where.fit]
 
     def lies_flat(pair: BlobPair, fit: SolidFit) -> bool:
@@ -41,7 +48,21 @@ def as_unsure_as_whole(
         return warped.is_surely_all_of(fit, pair[0], fits) or warped.is_surely_all_beside(fit, pair[0], fits)
 
     up = warped.table.normal if warped else None
-    return [_as_unsure(_or_both(row, rows, up), others, rig, lies_flat) for row in rows]
+    both = [_or_both(row, [*rows, *unsure], up) for row in rows]
+    return [_as_unsure(row, others, rig, lies_flat) for row in both]
+
+
+def _alone_on_same_rows(unread: Sequence[Unread]) -> list[BlobPair]:
+    """What one view alone shows, with all that the other alone shows on the same rows: outlines of one thing that are
+    too different to be matched."""
+    left_only = [each.left for each in unread if each.left and not each.right]
+    right_only = [each.right for each in unread if each.right and not each.left]
+    return [(left, right) for left in left_only for right in right_only if _on_same_rows(left, right)]
+
+
+def _on_same_rows(one: Blob, other: Blob) -> bool:
+    (top, bottom), (other_top, other_bottom) = one.rows_px, other.rows_px
+    return top < other_bottom and other_top < bottom
 
 
 def _or_both(row: Row, rows: Sequence[Row], up: Floats | None) -> Row:

@@ -29,7 +29,7 @@ def added(away: tuple[float, float], radius: float = 1.0) -> Floats:
     blobs = disc(*PLACES[0], RADIUS_PX), disc(*PLACES[1], RADIUS_PX)
     others = [disc(x + off * RADIUS_PX, y, radius * RADIUS_PX) for (x, y), off in zip(PLACES, away)]
     row = blobs, Located(*PLACES, 0.1, BALL)
-    ((_, where),) = as_unsure_as_whole([row], [Unread("merged", *others)], PARALLEL, None)
+    ((_, where),) = as_unsure_as_whole([row], [], [Unread("merged", *others)], PARALLEL, None)
     return where.covariance
 
 
@@ -45,6 +45,21 @@ def test_what_does_not_touch_in_both_views_is_something_else(away: tuple[float, 
     assert not added(away).any()
 
 
+@pytest.mark.parametrize(("down", "is_piece"), [(0.0, True), (1.5, True), (2.2, False)])
+def test_what_each_view_alone_shows_beside_it_is_one_thing_if_that_is_on_the_same_rows(
+    down: float, is_piece: bool
+) -> None:
+    """Its outlines differ too much to be matched: in one view half of it is in a shadow."""
+    blobs = disc(*PLACES[0], RADIUS_PX), disc(*PLACES[1], RADIUS_PX)
+    beside = [(x + 1.7 * RADIUS_PX, y + by * RADIUS_PX) for (x, y), by in zip(PLACES, (-down / 2, down / 2))]
+    left, right = disc(*beside[0], RADIUS_PX), disc(*beside[1], RADIUS_PX)
+    alone = [Unread("merged", left, None), Unread("right_only", None, right)]
+    ((_, where),) = as_unsure_as_whole([(blobs, Located(*PLACES, 0.1, BALL))], [], alone, PARALLEL, None)
+    assert where.covariance.any() == is_piece
+    ((_, where),) = as_unsure_as_whole([(blobs, Located(*PLACES, 0.1, BALL))], [], alone[:1], PARALLEL, None)
+    assert not where.covariance.any()
+
+
 @pytest.mark.parametrize(("gap_px", "is_piece"), [(4.0, True), (6.0, False)])
 def test_where_outlines_were_cut_apart_blur_is_left_between_them(gap_px: float, is_piece: bool) -> None:
     away = 2 + gap_px / RADIUS_PX
@@ -53,6 +68,21 @@ def test_where_outlines_were_cut_apart_blur_is_left_between_them(gap_px: float, 
 
 def test_a_piece_of_what_the_solid_explains_moves_nothing() -> None:
     assert not added((0.5, 0.5), 0.5).any()
+
+
+@pytest.mark.parametrize("is_sure", [True, False])
+def test_what_is_flush_with_a_piece_is_as_unsure_however_sure_that_is(is_sure: bool) -> None:
+    """The stem and the bar of a T."""
+    blobs = disc(*PLACES[0], RADIUS_PX), disc(*PLACES[1], RADIUS_PX)
+    stem, bar = (
+        SolidFit("box", np.array([x, 0.0, 0.9]), np.eye(3), np.array(size), 0.1, np.eye(3) * 1e-8)
+        for x, size in ((0.0, (0.04, 0.02, 0.02)), (0.025, (0.01, 0.05, 0.02)))
+    )
+    row, other = ((blobs, Located(*PLACES, 0.1, fit)) for fit in (stem, bar))
+    sure, unsure = ([row, other], []) if is_sure else ([row], [other])
+    (_, where), *_ = as_unsure_as_whole(sure, unsure, [], PARALLEL, None)
+    assert where.covariance == pytest.approx((0.025 * 10 / 26) ** 2 * np.eye(3))
+    assert not as_unsure_as_whole([row], [], [], PARALLEL, None)[0][1].covariance.any()
 
 
 @pytest.mark.parametrize(
