@@ -20,6 +20,7 @@ from stereo_pick.core.correspondence.position import (
     of_size,
     of_thickness,
 )
+from stereo_pick.core.correspondence.raised import raised_m
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
@@ -44,13 +45,16 @@ def placed_surely(
     table = warped.table if warped else None
     fits = [each.fit for _, each in seen]
     moved_m = table_moved_m(fits, before, table)
+    higher_m = raised_m(images, [each for _, each in seen], table) if table else np.zeros(len(seen))
     placed = []
-    for (row, each), exactly, by_m in zip(seen, exact, moved_m):
+    for (row, each), exactly, by_m, up_m in zip(seen, exact, moved_m, higher_m):
         if each.is_astray:
             placed.append(row)
             continue
         (blobs, where), fit = row, each.fit
         doubt = _doubt(images, row, each, table, by_m)
+        if table and up_m:
+            doubt = doubt + (up_m / 2) ** 2 * np.outer(table.normal, table.normal)
         if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_surely_all_of(fit, blobs[0], fits)):
             doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
         placed.append((blobs, by_adjusted(images.rig, where, exactly, doubt)))
