@@ -12,7 +12,7 @@ from stereo_pick.core.correspondence.patterned import PATTERN_PX
 from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.correspondence.seen_surface import is_seen_beyond, is_surface_seen
-from stereo_pick.core.shapes.adjusted import MOST_SHOWN, Adjusted
+from stereo_pick.core.shapes.adjusted import ASTRAY_PX, MOST_SHOWN, Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_table import surely_on
 from stereo_pick.core.shapes.creases import creases
@@ -24,6 +24,7 @@ from stereo_pick.core.shapes.table import Table
 
 _HALF = 1 / 2  # of its silhouette, for what its edges alone put on the table ...
 _KNOWN = 0.05  # ... as sure as this part of its size
+_ROUNDED_M = 0.00025  # by which edges lie off: 0.41 of a radius of 0.6 mm, twice the usual sigma of that
 _DENIED = 1 / 20  # of a silhouette, with edges clearly beside it
 _BESIDE, _MOST_BESIDE = 1 / 10, 1 / 4  # ... of a solid with a pattern, which has edges of its own there
 
@@ -31,20 +32,29 @@ _BESIDE, _MOST_BESIDE = 1 / 10, 1 / 4  # ... of a solid with a pattern, which ha
 @dataclass(frozen=True, eq=False)
 class Evident:
     """images: the views, behind what is known; table: what the objects stand on; before: solids that may hide
-    others."""
+    others; may_be_astray: whether what does not lie exactly on its edges will do, if it is a ball, or shows its creases
+    and has rounded edges perhaps: not to bear a table out."""
 
     images: Images
     table: Table
     before: Sequence[SolidFit]
+    may_be_astray: bool = False
 
     def is_clear(self, blobs: BlobPair, found: Supported, there: Adjusted, most_shown: float) -> bool:
         """Whether an object of these outlines is a solid, where all its edges put that, by them or by its pattern;
         most_shown: of its silhouette, of any other solid that it may be."""
-        if not there.is_astray and (
+        if (self._may_be_off(there) or not there.is_astray) and (
             self._shows_itself(found, there, most_shown) or self._is_told(blobs, there, most_shown)
         ):
             return True
         return self.shows_its_surface(blobs, there, most_shown)
+
+    def _may_be_off(self, there: Adjusted) -> bool:
+        if not self.may_be_astray:
+            return False
+        rounded_px = _ROUNDED_M * self.images.rig.focal_px / there.fit.centre_m[2]
+        is_round_edged = there.fit.residual_px < np.hypot(ASTRAY_PX, rounded_px)
+        return there.fit.kind == SPHERE.name or (there.shows_creases and bool(is_round_edged))
 
     def _shows_itself(self, found: Supported, there: Adjusted, most_shown: float) -> bool:
         """Whether it shows most of its silhouette, about as much as any other would, and its creases if it has any; or

@@ -51,12 +51,13 @@ Seen = tuple[Row, Adjusted]
 @dataclass(frozen=True, eq=False)
 class LastLook:
     """images: the views, behind what is known; table: what the objects stand on; before: solids that may hide
-    others; besides: objects that stay what they are."""
+    others; besides: objects that stay what they are; may_be_astray: as of `Evident`."""
 
     images: Images
     table: Table
     before: Sequence[SolidFit]
     besides: Sequence[Located]
+    may_be_astray: bool = False
 
     def without(self, where: Located) -> LastLook:
         """The same, where that object need not stay what it is."""
@@ -163,7 +164,7 @@ class LastLook:
 
     @property
     def _evident(self) -> Evident:
-        return Evident(self.images, self.table, self.before)
+        return Evident(self.images, self.table, self.before, self.may_be_astray)
 
     def _hinted(self, blobs: BlobPair) -> list[Solids]:
         """What an object's outlines hint at, with and without what is another's."""

@@ -134,7 +134,7 @@ def _looked_for_again(
     found, rest = _read_again(look, warped, seen, rest)
     if not reader.last_look:
         return found, list(open_), rest
-    look = replace(look, besides=[where for _, where in [*rest, *astray]])
+    look = replace(look, besides=[where for _, where in [*rest, *astray]], may_be_astray=True)
     return *found_after_all(images, look, open_, aside, found, warped), rest
 
 

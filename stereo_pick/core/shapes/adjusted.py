@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from stereo_pick.core.shapes.kinds import CYLINDER
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
-_ASTRAY_PX = 0.3  # from its edges
+ASTRAY_PX = 0.3  # from its edges
 MOST_CREASES = 2 / 3  # of its creases
 MOST_SHOWN = 3 / 4  # of its silhouette, for what shows no creases
 
@@ -58,4 +58,4 @@ class Adjusted:
 
 def is_astray(fit: SolidFit) -> bool:
     """Whether a solid lies so far off the edges that they do not show it, or not so finely."""
-    return fit.residual_px > _ASTRAY_PX
+    return fit.residual_px > ASTRAY_PX

@@ -112,3 +112,28 @@ def test_what_is_not_exactly_on_its_edges_is_told_from_all_else(
     found = Supported(fit, 0.6, case.off_px, believable=False)
     look = Evident(Images(pair), TABLE, [])
     assert look.is_clear((blobs.left[0], blobs.right[0]), found, there, case.most_shown) == is_clear
+
+
+@pytest.mark.parametrize(
+    ("part", "off_px", "creased", "may_be_astray", "is_clear"),
+    [
+        ("sphere", 0.25, 1.0, False, True),
+        ("sphere", 0.55, 1.0, False, False),
+        ("sphere", 0.55, 1.0, True, True),
+        ("box", 0.34, 0.8, False, False),
+        ("box", 0.34, 0.8, True, True),
+        ("box", 0.55, 0.8, True, False),
+        ("box", 0.34, 0.5, True, False),
+    ],
+)
+def test_a_ball_or_what_shows_its_creases_with_rounded_edges_may_be_off_them_if_it_bears_no_table_out(
+    part: str, off_px: float, creased: float, may_be_astray: bool, is_clear: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pair, blobs, true = seen(part)
+    fit = SolidFit(true.kind.name, true.centre_m[0], true.rotation[0], true.size_m()[0], off_px, 1e-8 * np.eye(3))
+    there = Adjusted(fit, 0.8, creased, part == "box", 0.03)
+    monkeypatch.setattr(evident, "adjusted", lambda *_, **__: ([there], None))
+    monkeypatch.setattr(evident, "is_surface_seen", lambda *_: False)
+    monkeypatch.setattr(evident, "goes_on_beyond", lambda *_: False)
+    look = Evident(Images(pair), TABLE, [], may_be_astray)
+    assert look.is_clear((blobs.left[0], blobs.right[0]), Supported(fit, 0.8, off_px, True), there, 0.65) == is_clear
