@@ -14,6 +14,7 @@ import numpy as np
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes
+from stereo_pick.core.shapes.sight import in_pixels
 from stereo_pick.core.shapes.solids import Solids
 
 _POINTS = 72
@@ -39,7 +40,7 @@ def shown_beyond(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap], contou
 
 def _shown(polygon: Floats, view: EdgeMap, contour: Contour) -> float:
     points, normals = (part[0] for part in along_polygon(polygon[None], _POINTS))
-    pixels = points * view.camera.P[0, 0] + view.camera.P[:2, 2]
+    pixels = in_pixels(points, view.camera)
     outline, own = contour
     inside = np.array([cv2.pointPolygonTest(outline.astype(np.float32), (x, y), True) for x, y in pixels.tolist()])
     nearest = ((pixels[:, None] - outline) ** 2).sum(axis=2).argmin(axis=1)

@@ -26,7 +26,7 @@ from stereo_pick.core.shapes.predicted import inside, silhouettes
 from stereo_pick.core.shapes.refinement import robust_scale
 from stereo_pick.core.shapes.residuals import residuals
 from stereo_pick.core.shapes.rounding import however_rounded, rounding_px
-from stereo_pick.core.shapes.sight import turning
+from stereo_pick.core.shapes.sight import in_pixels, turning
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.stretches import stretches_found
 from stereo_pick.core.shapes.table import Table
@@ -204,7 +204,7 @@ def _creases_in(solids: Solids, corners: Floats, eye_m: Floats, view: EdgeMap, s
     normals = np.stack([along[..., 1], -along[..., 0]], axis=-1) / (length[..., None] + _TINY)
     seen = inner.seen[:, 0] & (length > _TINY)
     hidden = hide(image, side)
-    offset, weight = _measured(view, image * focal + view.camera.P[:2, 2], normals, seen & ~hidden)
+    offset, weight = _measured(view, in_pixels(image, view.camera), normals, seen & ~hidden)
     # How a point's image moves across its crease with the point: (S, K, 3).
     across = np.concatenate([normals, -dot(image, normals)[..., None]], axis=2) * focal / depth_m
     turned = across @ solids.rotation

@@ -8,6 +8,7 @@ import numpy as np
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
+from stereo_pick.core.shapes.sight import seen_px
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _RIM = 48  # points on a round one
@@ -20,8 +21,7 @@ def face_areas_px2(fit: SolidFit, camera: Camera) -> Floats:
     half_m = fit.solid.half_m[0][list(KINDS[fit.kind].axes)]
     corners_m = corners * half_m @ fit.rotation.T + fit.centre_m
     eye_m = -camera.P[:, 3] / camera.P[0, 0]
-    seen = np.c_[corners_m, np.ones(len(corners_m))] @ camera.P.T
-    pixels = (seen[:, :2] / seen[:, 2:]).astype(np.float32)
+    pixels = seen_px(corners_m, camera).astype(np.float32)
     areas = []
     for normal in normals:
         reach = corners @ normal

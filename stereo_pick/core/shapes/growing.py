@@ -16,6 +16,7 @@ from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.kinds import HEX_PRISM, SPHERE
 from stereo_pick.core.shapes.occluders import Occluders
 from stereo_pick.core.shapes.predicted import along_polygon, inside, silhouettes
+from stereo_pick.core.shapes.sight import in_pixels
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -107,7 +108,7 @@ def _shown(
     if occluders is not None:
         fresh &= ~occluders.hide(solids, points, side)
     far = fresh & (distance_px > FAR * distance_px.max(axis=1, keepdims=True))
-    pixels, total = points * focal + view.camera.P[:2, 2], fresh.sum(axis=1)
+    pixels, total = in_pixels(points, view.camera), fresh.sum(axis=1)
     enough = total * _POINTS_TO_SEE >= look.points
     shown = view.shows(pixels, normals, look.reach_px, fresh & enough[:, None])
     found = shown.sum(axis=1)

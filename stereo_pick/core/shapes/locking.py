@@ -22,7 +22,7 @@ from stereo_pick.core.shapes.outline import POINTS
 from stereo_pick.core.shapes.own_shadow import heights, in_own_shadow
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes, values_along
 from stereo_pick.core.shapes.refinement import Fitted, fitted, refine
-from stereo_pick.core.shapes.sight import Sight
+from stereo_pick.core.shapes.sight import Sight, in_pixels
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -145,7 +145,7 @@ def edges_beside(
     )
     sides = []
     for i, view in enumerate(views):
-        pixels, across = places[:, i] * view.camera.P[0, 0] + view.camera.P[:2, 2], normals[:, i]
+        pixels, across = in_pixels(places[:, i], view.camera), normals[:, i]
         offset, weight, sigma = _edges_near(view, pixels, across, shifts_px, limbs)
         hidden = hide(places[:, i], i) if hide else np.zeros(weight.shape, bool)
         if height is not None:

@@ -15,6 +15,7 @@ from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.growing import FAR, least_change_m, stretched_by, ways_along
 from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.predicted import along_polygon, inside, silhouettes
+from stereo_pick.core.shapes.sight import in_pixels
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -58,7 +59,7 @@ def _end_shown(view: EdgeMap, old: Floats, new: Floats) -> Floats:
 
 def _shown(view: EdgeMap, points: Floats, normals: Floats, asked: Bools, unknown: float) -> Floats:
     """The part (S,) on edges of those points (S, N, 2), normalized, that are asked for (S, N)."""
-    pixels = points * view.camera.P[0, 0] + view.camera.P[:2, 2]
+    pixels = in_pixels(points, view.camera)
     shown = view.shows(pixels, normals, _REACH_PX, asked)
     count = asked.sum(axis=1)
     return np.where(count >= _FEWEST, shown.sum(axis=1) / np.maximum(count, 1), unknown)

@@ -16,6 +16,7 @@ from stereo_pick.core.sampling import places_along, sampled
 from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.predicted import along_polygon, silhouettes, touched, values_along
 from stereo_pick.core.shapes.refinement import medians
+from stereo_pick.core.shapes.sight import in_pixels
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -57,7 +58,7 @@ def ends_in_light(solid: Solids, views: Sequence[EdgeMap], rig: StereoRig, table
     for i, view in enumerate(views):
         places, outwards = along_polygon(corners[:, i], _POINTS)
         high = values_along(corners[:, i], height[:, i], _POINTS)
-        points_px = places * view.camera.P[0, 0] + view.camera.P[:2, 2]
+        points_px = in_pixels(places, view.camera)
         outside, inside, behind = _levels(view.image, points_px, outwards, high)
         lit = (outside > (inside + behind) / 2)[high >= _LOW]
         if not len(lit) or float(lit.mean()) < _MOST:

@@ -14,6 +14,7 @@ from stereo_pick.core.shapes.edge_map import EdgeMap
 from stereo_pick.core.shapes.growing import least_change_m, stretched_by, ways_along
 from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.predicted import along_polygon, inside, silhouettes
+from stereo_pick.core.shapes.sight import in_pixels
 from stereo_pick.core.shapes.solids import Solids
 from stereo_pick.core.shapes.table import Table
 
@@ -60,6 +61,6 @@ def _shown_ends(shorter: Solids, solid: Solids, eyes_m: Floats, view: EdgeMap, s
     eye_m = eyes_m[side : side + 1]
     points, normals = along_polygon(silhouettes(shorter, eye_m)[:, 0], _POINTS)
     is_new = inside(points, silhouettes(solid, eye_m)[0]) * focal_px > _WITHIN_PX
-    pixels, total = points * focal_px + view.camera.P[:2, 2], is_new.sum(axis=1)
+    pixels, total = in_pixels(points, view.camera), is_new.sum(axis=1)
     on_edge = view.shows(pixels, normals, _REACH_PX, is_new)
     return np.where(total < _LEAST_POINTS, 0.0, on_edge.sum(axis=1) / np.maximum(total, 1))

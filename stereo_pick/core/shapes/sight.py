@@ -109,3 +109,14 @@ def turning(points: Floats) -> tuple[Floats, Floats]:
 def normalized(points_px: Floats, camera: Camera) -> Floats:
     """Points (..., 2) of a rectified view as directions (..., 2), the third component of which is 1."""
     return np.asarray((points_px - camera.P[:2, 2]) / camera.P[[0, 1], [0, 1]])
+
+
+def in_pixels(points: Floats, camera: Camera) -> Floats:
+    """Directions (..., 2), as of `normalized`, as points (..., 2) of a rectified view [px]."""
+    return np.asarray(points * camera.P[[0, 1], [0, 1]] + camera.P[:2, 2])
+
+
+def seen_px(points_m: Floats, camera: Camera) -> Floats:
+    """Where (..., 2) a rectified view shows points (..., 3) [m], rectified left frame."""
+    seen = points_m @ camera.P[:, :3].T + camera.P[:, 3]
+    return np.asarray(seen[..., :2] / seen[..., 2:])

@@ -17,6 +17,7 @@ from stereo_pick.core.objects.edge_model import vertex
 from stereo_pick.core.shapes.edge_map import CLEAR, EdgeMap
 from stereo_pick.core.shapes.fitting import Pair
 from stereo_pick.core.shapes.outline import Outline
+from stereo_pick.core.shapes.sight import seen_px
 from stereo_pick.core.shapes.solids import Solids
 
 _POINTS = 16  # of a rim that are looked at
@@ -75,7 +76,7 @@ def with_touching_ends(outlines: Pair, tube: Solids, views: Sequence[EdgeMap], e
 def _lost(outline: Outline, tube: Solids, end: float, camera: Camera) -> Bools:
     """Which points (N,) of an outline that tell nothing are nearer to this end than to the other."""
     ends_m = tube.centre_m[0] + np.outer([end, -end], tube.rotation[0, :, 2]) * tube.half_m[0, 1]
-    this, other = _seen_px(ends_m, camera)
+    this, other = seen_px(ends_m, camera)
     nearer = np.linalg.norm(outline.points_px - this, axis=1) < np.linalg.norm(outline.points_px - other, axis=1)
     return np.asarray((outline.weight == 0) & nearer)
 
@@ -90,7 +91,7 @@ def _rims(tube: Solids, end: float, view: EdgeMap, eye_m: Floats, outline: Outli
     own = np.empty((len(heights_m), _POINTS, 3))
     own[..., 0], own[..., 1] = radius_m * np.cos(angle), radius_m * np.sin(angle)
     own[..., 2] = heights_m[:, None]
-    points_px = _seen_px(own @ tube.rotation[0].T + tube.centre_m[0], view.camera)
+    points_px = seen_px(own @ tube.rotation[0].T + tube.centre_m[0], view.camera)
     normals = _outwards(points_px)
     slope = (view.slopes(points_px) * normals).sum(axis=-1) * _sign(outline, view) / view.noise
     return _Rims(points_px, normals, slope)
@@ -118,9 +119,3 @@ def _mended(outline: Outline, lost: Bools, rims: _Rims, best: int) -> Outline:
     points_px, normals, weight = outline.points_px.copy(), outline.normals.copy(), outline.weight.copy()
     points_px[lost], normals[lost], weight[lost] = rim_px[at], across[at], 1.0
     return Outline(points_px, normals, weight, outline.corner)
-
-
-def _seen_px(points_m: Floats, camera: Camera) -> Floats:
-    """Where (..., 2) a rectified view shows points (..., 3) [m], rectified left frame."""
-    seen = points_m @ camera.P[:, :3].T + camera.P[:, 3]
-    return np.asarray(seen[..., :2] / seen[..., 2:])

@@ -6,7 +6,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.core.shapes.sight import normalized
+from stereo_pick.core.shapes.sight import normalized, seen_px
 from stereo_pick.core.shapes.table import Table
 
 
@@ -16,5 +16,4 @@ def transferred(points_px: Floats, heights_m: Floats, rig: StereoRig, own: int, 
     rays = np.insert(normalized(points_px, camera), 2, 1.0, axis=1)
     eye_m = np.array([own * rig.baseline_m, 0.0, 0.0])
     depth_m = (heights_m[:, None] - table.height_m(eye_m)) / (rays @ table.normal)
-    seen = np.concatenate([eye_m + depth_m[..., None] * rays, np.ones((*depth_m.shape, 1))], axis=2) @ other.P.T
-    return np.asarray(seen[..., :2] / seen[..., 2:])
+    return seen_px(eye_m + depth_m[..., None] * rays, other)
