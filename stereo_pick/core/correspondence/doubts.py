@@ -52,9 +52,7 @@ def placed_surely(
             placed.append(row)
             continue
         (blobs, where), fit = row, each.fit
-        doubt = _doubt(images, row, each, table, by_m)
-        if table and up_m:
-            doubt = doubt + (up_m / 2) ** 2 * np.outer(table.normal, table.normal)
+        doubt = _doubt(images, row, each, table, by_m, up_m)
         if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_surely_all_of(fit, blobs[0], fits)):
             doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
         placed.append((blobs, by_adjusted(images.rig, where, exactly, doubt)))
@@ -75,14 +73,15 @@ def seen_in_part(row: Row, rig: StereoRig, table: Table | None) -> Row:
     return blobs, replace(where, covariance=where.covariance + within_m**2 / 12 * np.eye(3))
 
 
-def _doubt(images: Images, row: Row, found: Adjusted, table: Table | None, moved_m: float) -> Floats:
+def _doubt(images: Images, row: Row, found: Adjusted, table: Table | None, moved_m: float, up_m: float) -> Floats:
     """Covariance (3, 3) [m²] of a solid's centre as it may be another solid; moved_m: by how much the table below it
-    may be mistaken."""
+    may be mistaken; up_m: how high above that it may stand."""
     (_, where), fit = row, found.fit
     doubt = where.doubt
     if table is not None:
         off_m = _ahead_m(fit, table, images.rig, moved_m)
         doubt = doubt + _as_if_it_stood(found, table, images.rig) + float(off_m @ off_m) * np.eye(3)
+        doubt = doubt + (up_m / 2) ** 2 * np.outer(table.normal, table.normal)
     if _may_be_longer(found, table):
         doubt = doubt + of_size(fit)
     if _may_be_a_side(found, table) or _may_be_a_dome(found, table):

@@ -13,7 +13,7 @@ from stereo_pick.core.correspondence.located import TOP, as_tube_on, convex_outl
 from stereo_pick.core.correspondence.overlap import none_behind_another, one_in_each_place
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.common_table import hangs_above, stands_on, surely_on
+from stereo_pick.core.shapes.common_table import hangs_clear, stands_on, surely_on
 from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.standing import standing, standing_alike
 from stereo_pick.core.shapes.supported import CHANCE, Supported
@@ -93,7 +93,7 @@ class OnTable:
                 return by_supported(self.images.rig, on_it)
             where = as_tube_on(self.images, blobs, self.table) or where
             return where if reaches_down(*blobs, self.images.rig, self.table) else replace(where, reason="half_lit")
-        hangs = _hangs_clear(self.table, fit)
+        hangs = hangs_clear(self.table, fit)
         if on_it is not None and in_the_air is not None:
             if on_it.support >= in_the_air.support - CHANCE or (hangs and on_it.is_exact):
                 return by_supported(self.images.rig, on_it)
@@ -147,8 +147,4 @@ def _hangs(where: Located, table: Table) -> bool:
     """Whether an object is as sure, but far above the table, and more than the lit top of another."""
     if where.fit is None or where.sigma_px > _SURE_PX or is_flat(where.fit, TOP):
         return False
-    return _hangs_clear(table, where.fit)
-
-
-def _hangs_clear(table: Table, fit: SolidFit) -> bool:
-    return hangs_above(table, fit) and not stands_on(table, fit)
+    return hangs_clear(table, where.fit)

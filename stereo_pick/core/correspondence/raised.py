@@ -12,7 +12,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
 from stereo_pick.core.shapes.common_normal import ANGLE, BASE
-from stereo_pick.core.shapes.common_table import hangs_above, stands_on
+from stereo_pick.core.shapes.common_table import base_m, hangs_clear, stands_on
 from stereo_pick.core.shapes.growing import stretched_by, ways_along
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.kinds import SPHERE
@@ -32,18 +32,14 @@ def raised_m(images: Images, found: Sequence[Adjusted], table: Table) -> Floats:
 def _levels_m(found: Sequence[Adjusted], table: Table) -> list[float]:
     """How high above the table something stands that is clearly what it seems, on what was not found."""
     fits = [each.fit for each in found]
-    hanging = [each.fit for each in found if each.is_clear and _hangs(table, each.fit)]
-    return [_base_m(table, fit) for fit in hanging if not any(_bears(table, each, fit) for each in fits)]
-
-
-def _hangs(table: Table, fit: SolidFit) -> bool:
-    return hangs_above(table, fit) and not stands_on(table, fit)
+    hanging = [each.fit for each in found if each.is_clear and hangs_clear(table, each.fit)]
+    return [base_m(table, fit) for fit in hanging if not any(_bears(table, each, fit) for each in fits)]
 
 
 def _bears(table: Table, bearer: SolidFit, fit: SolidFit) -> bool:
     """Whether one solid ends where the other begins."""
     top_m = float(table.height_m(bearer.centre_m)) + bearer.reach_m(table.normal)
-    return abs(top_m - _base_m(table, fit)) < BASE * float(fit.size_m.mean())
+    return abs(top_m - base_m(table, fit)) < BASE * float(fit.size_m.mean())
 
 
 def _raised_m(images: Images, found: Adjusted, table: Table, levels_m: Sequence[float]) -> float:
@@ -71,7 +67,3 @@ def _ending_at(level_m: float, fit: SolidFit, table: Table) -> Solids | None:
     if not down or fit.size_m[down[0][0]] <= level_m:
         return None
     return stretched_by(fit.solid, down, np.array([-level_m])).turning_about(table.normal)
-
-
-def _base_m(table: Table, fit: SolidFit) -> float:
-    return float(table.under(fit.solid)[0][0])

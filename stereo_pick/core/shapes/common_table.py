@@ -101,13 +101,13 @@ def _under_both(lying: SolidFit, ball: SolidFit) -> list[Floats]:
 
 def stands_on(table: Table, fit: SolidFit) -> bool:
     """Whether a solid stands or lies on a table."""
-    return abs(_base_m(table, fit)) < BASE * float(fit.size_m.mean()) and is_upright(table.normal, fit)
+    return abs(base_m(table, fit)) < BASE * float(fit.size_m.mean()) and is_upright(table.normal, fit)
 
 
 def surely_on(table: Table, fit: SolidFit) -> bool:
     """Whether a solid stands or lies as near to a table as its own sigma and the table's allow."""
     sigma_m = np.hypot(2 * np.sqrt(table.normal @ fit.covariance @ table.normal), table.sigma_m)  # twice: of its end
-    return abs(_base_m(table, fit)) < _SURELY * sigma_m and is_upright(table.normal, fit)
+    return abs(base_m(table, fit)) < _SURELY * sigma_m and is_upright(table.normal, fit)
 
 
 def hangs_above(table: Table, fit: SolidFit) -> bool:
@@ -116,7 +116,12 @@ def hangs_above(table: Table, fit: SolidFit) -> bool:
     What would hang higher than it is itself is rather the lit top of something.
     """
     height_m = fit.reach_m(table.normal) + fit.reach_m(-table.normal)
-    return 0 < _base_m(table, fit) < height_m and is_upright(table.normal, fit) and _is_stable(table.normal, fit)
+    return 0 < base_m(table, fit) < height_m and is_upright(table.normal, fit) and _is_stable(table.normal, fit)
+
+
+def hangs_clear(table: Table, fit: SolidFit) -> bool:
+    """Whether it does, and does not stand there after all, being tall."""
+    return hangs_above(table, fit) and not stands_on(table, fit)
 
 
 def _is_stable(normal: Floats, fit: SolidFit) -> bool:
@@ -128,6 +133,7 @@ def _is_stable(normal: Floats, fit: SolidFit) -> bool:
     return bool(abs(np.sin(off)) < ANGLE)
 
 
-def _base_m(table: Table, fit: SolidFit) -> float:
+def base_m(table: Table, fit: SolidFit) -> float:
+    """How high [m] above a table the lowest point of a solid is."""
     height_m, _ = table.under(fit.solid)
     return float(height_m[0])

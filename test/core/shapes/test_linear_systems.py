@@ -1,3 +1,7 @@
+"""Many small systems solved at once."""
+
+from __future__ import annotations
+
 import numpy as np
 import pytest
 
