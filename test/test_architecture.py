@@ -35,6 +35,7 @@ CORE_LAYERS = (
     "transform",
     "rays",
     "camera",
+    "sensor_window",
     "rectified_view",
     "rig",
     "calibration",

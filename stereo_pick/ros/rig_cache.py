@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from sensor_msgs.msg import CameraInfo
 
 from stereo_pick.core.rig import StereoRig
-from stereo_pick.ros.messages.cameras import camera_of, content
+from stereo_pick.ros.messages.cameras import content, rectified_camera_of
+from stereo_pick.ros.topics import SIDES
 
 
 class RigCache:
@@ -24,6 +25,5 @@ class RigCache:
         """
         key = tuple(content(info) for info in infos)
         if self._rig is None or key != self._key:
-            left, right = infos
-            self._rig, self._key = StereoRig(camera_of(left, "left"), camera_of(right, "right")), key
+            self._rig, self._key = StereoRig(*map(rectified_camera_of, infos, SIDES)), key
         return self._rig

@@ -15,6 +15,7 @@ from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError, ParameterError, SourceError
 from stereo_pick.core.images import FULL_SCALE_16, ImageBuffer, decode_message, encode
 from stereo_pick.core.pairing import MOST_OFFSET_S, Pair, Side, StampOrder, StampPairer
+from stereo_pick.core.sensor_window import SensorWindow
 from stereo_pick.sources.bag_reader import Recorded, messages, opened
 from stereo_pick.sources.bag_topics import COMPRESSED_TYPE, camera_info_topic, choose_topics
 from stereo_pick.sources.source import SourcePair
@@ -178,7 +179,7 @@ def _buffer(recorded: Recorded, full_scale_16: int) -> ImageBuffer:
 def _calibration(info: Any) -> bytes:
     """What of a CameraInfo says how to rectify, for comparison."""
     matrices = b"".join(matrix.tobytes() for matrix in _matrices(info))
-    return f"{info.width} {info.height} {info.distortion_model} ".encode() + matrices
+    return f"{info.width} {info.height} {info.distortion_model} {SensorWindow.of(info)} ".encode() + matrices
 
 
 def _matrices(info: Any) -> list[Floats]:
@@ -188,7 +189,7 @@ def _matrices(info: Any) -> list[Floats]:
 
 def _camera(name: str, info: Any) -> Camera:
     K, D, R, P = _matrices(info)
-    return Camera(
+    full = Camera(
         name=name,
         width_px=int(info.width),
         height_px=int(info.height),
@@ -198,3 +199,4 @@ def _camera(name: str, info: Any) -> Camera:
         P=P.reshape(3, 4),
         distortion_model=info.distortion_model,
     )
+    return SensorWindow.of(info).of_raw(full)

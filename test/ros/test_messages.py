@@ -118,6 +118,19 @@ def test_camera_info_of_another_header_is_the_same_camera() -> None:
     assert content(one) != content(other)
 
 
+def test_a_region_of_interest_is_another_camera() -> None:
+    left = rigs.RIGS["verged"].left
+    full, region = (camera_info_message(left, STAMP_NS, "eye") for _ in range(2))
+    region.roi.x_offset, region.roi.width, region.binning_x, region.binning_y = 40, 600, 2, 2
+    assert content(full) != content(region)
+    camera = camera_of(sent(region), "left")
+    assert camera.frame_size == (300, 240)
+    assert camera.K[0, 2] == pytest.approx((left.K[0, 2] - 40.5) / 2)
+    region.roi.x_offset = 41
+    with pytest.raises(CalibrationError, match=r"region of interest, 600 x 480 pixels at \(41, 0\)"):
+        camera_of(region, "left")
+
+
 def test_camera_info_of_an_uncalibrated_driver_is_refused() -> None:
     with pytest.raises(CalibrationError, match="left camera: focal length.*calibrated"):
         camera_of(CameraInfo(width=640, height=480, distortion_model="plumb_bob", r=np.eye(3).ravel()), "left")

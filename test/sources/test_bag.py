@@ -66,11 +66,11 @@ def stereo(count: int, right_offset_ns: int = 0, left: str = LEFT, right: str = 
     return messages
 
 
-def camera_info(topic: str, tx: float = 0.0, focal_px: float = 100.0) -> Message:
+def camera_info(topic: str, tx: float = 0.0, focal_px: float = 100.0, x_offset: int = 0) -> Message:
     K = np.array([focal_px, 0, WIDTH / 2, 0, focal_px, HEIGHT / 2, 0, 0, float(focal_px > 0)])
     P = np.array([focal_px, 0, WIDTH / 2, tx, 0, focal_px, HEIGHT / 2, 0, 0, 0, float(focal_px > 0), 0])
     content = {"k": K, "d": np.arange(5) / 100, "r": np.eye(3).ravel(), "p": P}
-    return Message(topic, 10**18, content, kind="CameraInfo")
+    return Message(topic, 10**18, content, kind="CameraInfo", extra={"x_offset": x_offset})
 
 
 def compressed(message: Message, suffix: str = "/compressed") -> Message:
@@ -91,7 +91,9 @@ def ros_message(store: Any, message: Message) -> Any:
         return make(header=header, data=message.content, **{"format": "png", **message.extra})
     if message.kind == "CameraInfo":
         matrices = {name.upper() if ros1 else name: value for name, value in message.content.items()}
-        roi = types["sensor_msgs/msg/RegionOfInterest"](0, 0, 0, 0, False)
+        x_offset = message.extra["x_offset"]
+        width = WIDTH - x_offset if x_offset else 0
+        roi = types["sensor_msgs/msg/RegionOfInterest"](x_offset, 0, 0, width, False)
         return make(
             header=header,
             height=HEIGHT,
@@ -274,6 +276,17 @@ def test_cameras_are_those_of_the_recording(tmp_path: Path, write: Any) -> None:
             assert (camera.name, camera.frame_size) == (name, (WIDTH, HEIGHT))
             for matrix in "kdrp":
                 assert (getattr(camera, matrix.upper()).ravel() == info.content[matrix]).all()
+
+
+def test_a_region_of_interest_is_what_its_camera_sees(tmp_path: Path, write: Any) -> None:
+    infos = [camera_info("/stereo/left/camera_info", x_offset=3), camera_info("/stereo/right/camera_info", tx=-12.5)]
+    cameras = open_source(write(tmp_path / "bag", infos + stereo(1))).cameras
+    assert cameras is not None
+    assert [camera.frame_size for camera in cameras] == [(WIDTH - 3, HEIGHT), (WIDTH, HEIGHT)]
+    assert [camera.K[0, 2] for camera in cameras] == [WIDTH / 2 - 3, WIDTH / 2]
+    moved = replace(camera_info("/stereo/left/camera_info", x_offset=4), stamp_ns=infos[0].stamp_ns + 1)
+    _, error = drained(write(tmp_path / "moved", [*infos, moved, *stereo(3)]))
+    assert "/stereo/left/camera_info changes" in str(error)
 
 
 def test_without_both_camera_infos_there_are_no_cameras(tmp_path: Path, write: Any) -> None:

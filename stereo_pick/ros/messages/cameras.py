@@ -6,11 +6,22 @@ import numpy as np
 from sensor_msgs.msg import CameraInfo
 
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.sensor_window import SensorWindow
 from stereo_pick.ros.messages.stamps import header
 
 
 def camera_of(message: CameraInfo, name: str) -> Camera:
-    """The camera that a camera_info describes; raises CalibrationError where no real camera has these numbers."""
+    """The camera whose raw images a camera_info comes with, those of its region of interest, binned; raises
+    CalibrationError where no real camera has these numbers."""
+    return SensorWindow.of(message).of_raw(_full(message, name))
+
+
+def rectified_camera_of(message: CameraInfo, name: str) -> Camera:
+    """The same of rectified images."""
+    return SensorWindow.of(message).of_rectified(_full(message, name))
+
+
+def _full(message: CameraInfo, name: str) -> Camera:
     return Camera(
         name=name,
         width_px=message.width,
@@ -43,5 +54,6 @@ def content(message: CameraInfo) -> tuple[object, ...]:
         message.width,
         message.height,
         message.distortion_model,
+        SensorWindow.of(message),
         *(tuple(values) for values in (message.d, message.k, message.r, message.p)),
     )
