@@ -130,10 +130,14 @@ class LastLook:
         longer = self.images.longer(first.fit.solid, self.table)
         if longer is not None and longer.believable and longer.support >= first.support - CHANCE:
             beyond = self._free(longer, others) if longer.is_exact else None
-            if beyond is None or not self._evident.is_clear(blobs, longer, beyond, _most_shown(free, shown)):
-                rivals.append(longer)
-            else:
+            if (
+                beyond is not None
+                and beyond.shown >= there.shown
+                and self._evident.is_clear(blobs, longer, beyond, _most_shown(free, shown))
+            ):
                 first, there = longer, beyond
+            else:
+                rivals.append(longer)
         best = no_surer_than_rivals(first, rivals)
         if best is None or ends_above(self.images, self.table, self.before, there):
             return None

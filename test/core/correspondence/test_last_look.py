@@ -218,6 +218,27 @@ def test_what_shows_its_creases_is_taken_before_what_shows_more_of_its_silhouett
     assert found is not None and found[1].fit is fit
 
 
+@pytest.mark.parametrize(("shown_longer", "is_longer"), [(0.85, True), (0.79, False)])
+def test_a_longer_one_that_is_clear_as_well_is_taken_if_it_shows_as_much(
+    shown_longer: float, is_longer: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A box before a rail, of which an edge may be the box's end: 5 mm off."""
+    images, blobs, _ = lone(PARTS["box"])
+    true = solid_of(RIG, Scene((PARTS["box"],), PLACED), PARTS["box"])
+    fit = SolidFit("box", true.centre_m[0], true.rotation[0], true.size_m()[0], 0.05, 1e-9 * np.eye(3))
+    longer = replace(fit, centre_m=fit.centre_m + true.rotation[0, :, 0] * 0.005, size_m=fit.size_m + [0.01, 0, 0])
+    one, other = (Supported(each, 0.85, 0.05, believable=True) for each in (fit, longer))
+    shows = {fit: 0.85, longer: shown_longer}
+    monkeypatch.setattr(last_look, "nearly", lambda *_: [one])
+    monkeypatch.setattr(Images, "longer", lambda *_: other)
+    monkeypatch.setattr(pieces, "shortened", lambda *_: [])
+    monkeypatch.setattr(
+        last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], shows[fits[0]], 0.9, True, 0.0)], TABLE)
+    )
+    found = at(images, blobs, [], [])
+    assert found is not None and found[1].fit is (longer if is_longer else fit)
+
+
 @pytest.mark.parametrize(
     ("shown", "off_m", "sigma_m", "is_found"),
     [
