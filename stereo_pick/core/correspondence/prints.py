@@ -17,7 +17,7 @@ from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.common_normal import common_normal
-from stereo_pick.core.shapes.common_table import common_table
+from stereo_pick.core.shapes.common_table import common_table, stands_on, surely_on
 from stereo_pick.core.shapes.faces import face_areas_px2
 from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -25,6 +25,7 @@ from stereo_pick.core.shapes.table import Table
 
 _ALIKE = 0.1  # by this part an outline may be larger or smaller than the face it is ...
 _ALL = 0.85  # ... which is less than this part of the solid's silhouette
+_LEAST_LEVEL = 2
 _TRIED = 5  # of the largest, whose plane others may share
 _LIES = 0.25  # of its own height above the table, up to which what may be flat rather lies on it ...
 _SIGMAS = 2  # ... and by which the table's height is not sure
@@ -44,14 +45,39 @@ def prints_among(rows: Sequence[Row], rig: StereoRig, table: Table | None, is_kn
         return [row for row, _ in _without_a_table(flat, others)]
     if not is_known and 0 < len(flat) == len(rows) and _on_one_plane(flat):
         return list(rows)
-    judged_by = table if is_known else _that_others_show(rows, flat) or table
-    return [each[0] for each in flat if _is_level(judged_by, each, rig)]
+    shown = None if is_known else _that_others_show(rows, flat)
+    below = [] if is_known or shown else _below_all_others(rows, flat, rig)
+    return [each[0] for each in flat if each in below or _is_level(shown or table, each, rig)]
 
 
 def _that_others_show(rows: Sequence[Row], flat: Sequence[Outlined]) -> Table | None:
     """The table as those show it that stand up: what may lie on it has put it where it would stand itself."""
     may_lie = [row for row, _ in flat]
     return common_table([row[1].fit for row in rows if not any(row is each for each in may_lie)])
+
+
+def _below_all_others(rows: Sequence[Row], flat: Sequence[Outlined], rig: StereoRig) -> list[Outlined]:
+    """Those that lie on one plane on which all others stand, of which balls alone would not do: if they were objects
+    themselves the others would have to stand lower."""
+    level = _most_on_one_plane([each for each in flat if _on_one_plane([each])])
+    fits = [row[1].fit for row in rows if row[1].fit is not None and not any(row is each for each, _ in level)]
+    if len(level) < _LEAST_LEVEL or all(fit.kind == SPHERE.name for fit in fits):
+        return []
+    several = [sides for _, sides in level]
+    below = [_plane_below(fit, several, rig) for fit in fits]
+    return level if all(stands_on(*each) and surely_on(*each) for each in zip(below, fits)) else []
+
+
+def _plane_below(fit: SolidFit, several: Sequence[Sides], rig: StereoRig) -> Table:
+    """The plane that is nearest to all of these outlines, as sure below a solid as they lie on it."""
+    plane = common_plane(several)
+    away_m = rig.baseline_m / float(np.linalg.norm(plane))
+    terms = np.concatenate([sides.terms * np.sqrt(sides.weight)[:, None] for sides in several])
+    there = fit.centre_m / fit.centre_m[2] * rig.focal_px
+    off_px = max(sides.off_px(plane) for sides in several)
+    sigma_px = off_px * float(np.sqrt(there @ np.linalg.inv(terms.T @ terms) @ there))
+    sigma_m = sigma_px * float(fit.centre_m[2]) ** 2 / (rig.focal_px * rig.baseline_m)
+    return Table(-plane * away_m / rig.baseline_m, away_m, sigma_m)
 
 
 def _without_a_table(flat: Sequence[Outlined], others: Sequence[Outlined]) -> list[Outlined]:

@@ -153,6 +153,16 @@ def test_labels_do_not_put_the_table_below_where_others_stand() -> None:
     assert prints_among([*labels, *others], RIG, table, is_known=True) == []
 
 
+@pytest.mark.parametrize(("lower_m", "are_refused"), [(0.0, True), (0.02, False)])
+def test_where_one_other_tells_of_no_table_labels_are_what_it_stands_on(lower_m: float, are_refused: bool) -> None:
+    """Two, taken for balls on a table that they drew along, and a cylinder on their plane, or lower."""
+    labels = [row_of(ball(x_m), disc_px(ball(x_m).centre_m)) for x_m in (-0.06, 0.06)]
+    foot_m = float(ball().centre_m[2])
+    table = Table(np.array([0.0, 0.0, -1.0]), foot_m + 0.02, 2e-4)
+    rows = [*labels, from_above(0.12, 0.15, foot_m + lower_m)]
+    assert prints_among(rows, RIG, table, is_known=False) == (labels if are_refused else [])
+
+
 def level_rows(elevation_deg: float, kind: str) -> tuple[Row, Table]:
     """A lit top 30 mm above the table, taken for a ball or for a lying cylinder there; and the table."""
     placed = table_before(RIG, 0.9, elevation_deg)
