@@ -25,7 +25,7 @@ from stereo_pick.core.correspondence.second_thoughts import WELL_SHOWN
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.common_normal import ANGLE
-from stereo_pick.core.shapes.common_table import stands_on
+from stereo_pick.core.shapes.common_table import hangs_clear, stands_on
 from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.kinds import CYLINDER, KINDS, Prism
 from stereo_pick.core.shapes.sight import normalized
@@ -79,6 +79,8 @@ def _doubt(images: Images, row: Row, found: Adjusted, table: Table | None, moved
     (_, where), fit = row, found.fit
     doubt = where.doubt
     if table is not None:
+        if _hangs_whole(found, table):
+            doubt = np.zeros((3, 3))  # that of standing there
         off_m = _ahead_m(fit, table, images.rig, moved_m)
         doubt = doubt + _as_if_it_stood(found, table, images.rig) + float(off_m @ off_m) * np.eye(3)
         doubt = doubt + (up_m / 2) ** 2 * np.outer(table.normal, table.normal)
@@ -134,17 +136,23 @@ def _may_be_a_dome(found: Adjusted, table: Table | None) -> bool:
 def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:
     """Covariance (3, 3) [m²] from where it hangs above the table to where another solid that is seen alike would stand.
 
-    Nothing hangs in the air, and what lies on something else is higher up than a part of its own size, and shows by its
-    creases what it is; a ball, which has none, is believed.
+    Nothing hangs in the air. What lies on something else shows by its creases what it is, and is higher up than a part
+    of its own size, or shows nearly all of itself; a ball, which has none, is believed if it is that high.
     """
     fit = found.fit
     height_m = float(table.under(fit.solid)[0][0])
     if stands_on(table, fit) or height_m < 0:
         return np.zeros((3, 3))
-    if height_m > _HANGS * float(fit.size_m.min()) and found.is_creased:
+    if _hangs_whole(found, table) or (height_m > _HANGS * float(fit.size_m.min()) and found.is_creased):
         return np.zeros((3, 3))
     down_m = _ahead_m(fit, table, rig, -height_m)
     return np.outer(down_m, down_m) / 4 + of_size(fit)
+
+
+def _hangs_whole(found: Adjusted, table: Table) -> bool:
+    """Whether a solid hangs clear of the table and shows its creases, and so much of its silhouette, that nothing that
+    stands there is seen alike."""
+    return found.shows_creases and found.shown > WELL_SHOWN and hangs_clear(table, found.fit)
 
 
 def _ahead_m(fit: SolidFit, table: Table, rig: StereoRig, higher_m: float) -> Floats:

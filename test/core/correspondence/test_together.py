@@ -123,10 +123,10 @@ def test_depth_differences_are_a_tenth_of_a_millimetre(table: str) -> None:
     assert len(poses) == 4 and np.abs(off_z[i] - off_z[j]).mean() < 0.2e-3
 
 
-def sigma_m(lifted_m: float) -> float:
-    """One sigma of the depth of a ball among what stands, so far above the table."""
-    ball = replace(PARTS["sphere"], base_m=lifted_m)
-    scene = Scene((*(part for name, part in PARTS.items() if name != "sphere"), ball), PLACED, ambient=0.6)
+def sigma_m(lifted_m: float, which: str = "sphere") -> float:
+    """One sigma of the depth of a part among what stands, so far above the table."""
+    part = replace(PARTS[which], base_m=lifted_m)
+    scene = Scene((*(other for name, other in PARTS.items() if name != which), part), PLACED, ambient=0.6)
     poses = seen(scene, Feature())
     off_m = np.linalg.norm(poses.xyz - scene.positions_m()[-1], axis=1)
     assert off_m.min() < 1e-3
@@ -154,6 +154,11 @@ def test_what_seems_to_hang_in_the_air_may_be_something_else_that_stands() -> No
     standing, hanging, on_top = (sigma_m(lifted) for lifted in (0.0, 0.01, 0.035))
     assert standing < 0.5e-3 and on_top < 1e-3
     assert hanging > 0.01 / 2
+
+
+@pytest.mark.parametrize("which", ["standing", "box"])
+def test_what_shows_all_of_itself_and_its_creases_is_nothing_else_even_on_a_low_plate(which: str) -> None:
+    assert sigma_m(0.01, which) < 1e-3
 
 
 @pytest.mark.parametrize(("family", "seed", "missed"), first_of(("dark_on_light", 55, 0), ("many_small", 337, 1)))
