@@ -38,8 +38,9 @@ def save_background(path: Path, background: LearnedBackground) -> None:
 def load_background(path: Path) -> LearnedBackground:
     """Read it; raises ImageError, naming the file, where it is missing, damaged or something else."""
     if not path.is_file():
+        what = "it is a folder" if path.is_dir() else "no such file"
         raise ImageError(
-            f"background file {path}: no such file; learn it with `stereo-pick background` or ~/learn_background"
+            f"background file {path}: {what}; learn it with `stereo-pick background` or ~/learn_background"
         )
     try:
         with np.load(path, allow_pickle=False) as stored:

@@ -236,6 +236,8 @@ def test_a_file_that_is_not_there_yet_is_asked_for_when_it_is_needed(tmp_path: P
     detector = Detector(background_file=str(tmp_path / "later.npz"))
     with pytest.raises(ImageError, match=r"later.npz: no such file; learn it with"):
         detector.detect(pair_of(printed(), 3))
+    with pytest.raises(ParameterError, match=r"it is a folder; learn it with"):
+        Detector(background_file=str(tmp_path))
     assert Detector(threshold="otsu", background_file="nowhere.npz").detect(pair_of(discs(PLACES), 3)).left
 
 
