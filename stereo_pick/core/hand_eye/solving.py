@@ -11,11 +11,14 @@ from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.hand_eye.pairs import Mount, RobotView, check
 from stereo_pick.core.hand_eye.refinement import Poses, Refined, mean_stand_T_board, refine, residual_norms
 from stereo_pick.core.hand_eye.result import Attempt, HandEye, Residual, UncertainTransform, small_sample_factor
+from stereo_pick.core.hand_eye.scale import scale_of
 from stereo_pick.core.hand_eye.solvers import SOLVERS
 from stereo_pick.core.transform import Transform
 
 FEW_PAIRS = 6  # measured: of three pairs, two standard deviations cover 80 % and not 95 %, of four 90 %
 MAX_RMS_DEG, MAX_RMS_MM = 3.0, 30.0
+_MAX_SCALE = 0.005  # of the board: a metre away the camera would be 5 mm off
+_SURELY = 5.0  # sigmas
 _SUSPECT_TIMES_MEDIAN = 4.0
 _SUSPECT_MM, _SUSPECT_DEG = 0.5, 0.05  # below both, a pair is never suspected
 
@@ -41,6 +44,7 @@ def solve_hand_eye(views: Sequence[RobotView], mount: Mount) -> HandEye:
     )
     if not _fits(result):
         raise CalibrationError(_misfit(result, views, mount))
+    _check_scale(views, mount, refined.X)
     return result
 
 
@@ -113,6 +117,20 @@ def _misfit(result: HandEye, views: Sequence[RobotView], mount: Mount) -> str:
 def _worst(residuals: Sequence[Residual]) -> str:
     worst = max(residuals, key=lambda residual: residual.translation_mm)
     return f"{worst.name} ({worst.translation_mm:.1f} mm)"
+
+
+def _check_scale(views: Sequence[RobotView], mount: Mount, X: Transform) -> None:
+    """Raise CalibrationError where the board is surely larger, or smaller, than its square size has it."""
+    if len(views) < FEW_PAIRS:
+        return
+    scale, sigma = scale_of(*_sides(views, mount), X)
+    off = abs(scale - 1)
+    if off > max(_MAX_SCALE, _SURELY * sigma):
+        raise CalibrationError(
+            f"the {len(views)} pairs fit best if the board is {100 * off:.1f} % {'larger' if scale > 1 else 'smaller'} "
+            f"(± {100 * sigma:.1f} %): is the square size right, which would be {scale:.4f} times the one given, and "
+            "does the robot move as far as it says?"
+        )
 
 
 def _few(count: int) -> tuple[str, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -184,3 +186,28 @@ def test_pairs_in_another_order_are_refused() -> None:
     shifted = [RobotView(a.name, a.base_T_flange, b.camera_T_board) for a, b in zip(views, views[1:] + views[:1])]
     with pytest.raises(CalibrationError, match="in this order"):
         solve_hand_eye(shifted, Mount.EYE_TO_HAND)
+
+
+def scaled(views: list[RobotView], scale: float) -> list[RobotView]:
+    """The same, with squares that were given so many times too large."""
+    boards = [Transform(view.camera_T_board.rotation, scale * view.camera_T_board.translation) for view in views]
+    return [RobotView(view.name, view.base_T_flange, board) for view, board in zip(views, boards)]
+
+
+@pytest.mark.parametrize("mount", Mount)
+@pytest.mark.parametrize(("scale", "says"), [(30 / 29, "smaller"), (28.5 / 29, "larger")])
+def test_a_wrong_square_size_is_refused_that_the_residuals_hardly_show(mount: Mount, scale: float, says: str) -> None:
+    exact = solve_hand_eye(simulate(mount, seed=4), mount).found.transform.translation
+    views = simulate(mount, 4, sigma_rad=1e-3, sigma_m=3e-4)
+    assert np.linalg.norm(solve_hand_eye(views, mount).found.transform.translation - exact) < 2e-3
+    with pytest.raises(CalibrationError, match=rf"% {says}.*square size") as error:
+        solve_hand_eye(scaled(views, scale), mount)
+    told = re.search(r"would be ([0-9.]+) times", str(error.value))
+    assert told is not None and float(told[1]) == pytest.approx(1 / scale, abs=2e-3)
+
+
+@pytest.mark.parametrize("mount", Mount)
+def test_noise_is_no_wrong_square_size(mount: Mount) -> None:
+    for seed in range(40):
+        solve_hand_eye(simulate(mount, seed, 6 + seed % 7, 3e-3, 2e-3), mount)
+        solve_hand_eye(scaled(simulate(mount, seed, 12, 1e-3, 3e-4), 1.001), mount)
