@@ -25,7 +25,6 @@ _SILENT_AFTER_S = 2.0
 _PATIENCE = 3  # times as long as the longest of the last pauses between images: cameras may be triggered for each pick
 _TICK_S = 0.1
 _ON_ITS_WAY_S = 0.2  # what was taken no later than the last image has arrived by then
-_MOST_AHEAD = 30  # images of one camera that wait for the other's: half a second of them, at 60 a second
 _RECENT = 40  # images over which those without partner are counted, and pauses
 _TYPE = "sensor_msgs/msg/Image"
 _LOST_ON_THE_WAY = "give its driver the Fast DDS profile, without which large images get lost (docs/nodes.md)"
@@ -83,7 +82,7 @@ class RawPairs:
         self._pauses_ns: deque[int] = deque(maxlen=_RECENT)
         for others in self._since_ns.values():
             others.clear()
-        self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9), _MOST_AHEAD)
+        self._pairer: StampPairer[Image] = StampPairer(round(max_stamp_offset_s * 1e9))
         self._recent: deque[bool] = deque(maxlen=_RECENT)
 
     @property

@@ -192,6 +192,15 @@ def test_every_format_gives_back_what_was_recorded(tmp_path: Path, write: Any) -
         assert pair.right_frame_id == RIGHT + "_frame"
 
 
+@pytest.mark.parametrize("late", [10, 29])
+def test_images_pair_though_one_camera_was_recorded_much_later(tmp_path: Path, late: int) -> None:
+    messages = [
+        replace(each, log_ns=each.stamp_ns + (late * 33 * MS if "right" in each.topic else 0)) for each in stereo(40)
+    ]
+    by_time = sorted(messages, key=lambda each: each.log_ns)
+    assert len(list(open_source(write_ros2(tmp_path / "bag", by_time)))) == 40
+
+
 def test_iterating_again_starts_over(tmp_path: Path, write: Any) -> None:
     source = open_source(write(tmp_path / "bag", stereo(3)))
     next(iter(source))
