@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from recordings import DEMO_BAG
 from rendering import Box, Cylinder, Scene, render
 from rendering.rigs import table_before
 from rigs import RIGS
@@ -15,8 +16,10 @@ from rigs import RIGS
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.pipeline import Pipeline, Steps
+from stereo_pick.core.refusal import count_reasons
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.sensor_window import SensorWindow
+from stereo_pick.sources.opening import open_source
 
 RIG = RIGS["thesis"]
 ALL = SensorWindow(0, 0, 0, 0, 0, 0)
@@ -82,3 +85,16 @@ def test_objects_are_where_they_were_in_the_full_images(binning: int) -> None:
     found = Pipeline(rig, Steps()).run(StereoFrame(cut[0], cut[1], 0)).poses
     assert len(expected) == 2
     np.testing.assert_allclose(found.xyz, expected.xyz, atol=5e-4 * binning)
+
+
+def test_a_part_that_a_region_cuts_in_one_view_only_is_refused() -> None:
+    """It was a shorter one, on the plane of the belt on which the only other part stands: 6.5 mm off, sure of it."""
+    source = open_source(DEMO_BAG)
+    assert source.cameras is not None
+    windows = (SensorWindow(2, 18, 486, 268, 0, 0), SensorWindow(100, 7, 486, 268, 0, 0))
+    rig = StereoRig.from_cameras(*(w.of_raw(full) for w, full in zip(windows, source.cameras)))
+    images = next(iter(source)).images()
+    cut = [image[w.y_px : w.y_px + w.height_px, w.x_px : w.x_px + w.width_px] for image, w in zip(images, windows)]
+    poses = Pipeline(rig, Steps()).run(StereoFrame(cut[0], cut[1], 0)).poses
+    assert len(poses) == 1 and poses.xyz[0, 1] < -0.05
+    assert "cut_by_border" in count_reasons(poses.refused)

@@ -29,12 +29,23 @@ def goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
 
 def is_seen_alone(unread: Unread, fit: SolidFit, images: Images) -> bool:
     """Whether what one view alone shows is the solid, and nothing more."""
+    return _is_more(unread, fit, images) is False
+
+
+def is_seen_to_be_more(unread: Unread, fit: SolidFit, images: Images) -> bool:
+    """Whether one view alone shows that the solid is a piece of something."""
+    blob = unread.alone
+    return blob is not None and not blob.fault and _is_more(unread, fit, images) is True
+
+
+def _is_more(unread: Unread, fit: SolidFit, images: Images) -> bool | None:
+    """Whether what one view alone shows is more than the solid; None where it is something else."""
     blob = unread.alone
     if blob is None:
-        return False
+        return None
     side = 0 if unread.left else 1
     camera, polygon = (images.rig.left, images.rig.right)[side], fit.silhouettes(images.rig)[side]
-    return covers(fit, blob.centroid_px, camera) and not _shows_more(blob, camera, polygon)
+    return _shows_more(blob, camera, polygon) if covers(fit, blob.centroid_px, camera) else None
 
 
 def is_part_of(unread: Unread, fit: SolidFit, images: Images) -> bool:

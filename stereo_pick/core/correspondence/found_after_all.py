@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stereo_pick.core.correspondence.along_rows import shows_height
-from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone
+from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone, is_seen_to_be_more
 from stereo_pick.core.correspondence.carried import without_edges
 from stereo_pick.core.correspondence.inscribed import discs_within
 from stereo_pick.core.correspondence.last_look import MOST, LastLook, Seen, may_be_found
@@ -50,7 +50,7 @@ def found_after_all(
     outlines_px = [each.left.contour_px for each in refused if each.left]
     for risen in all_risen(warped.seen, warped.table, _fits(found), outlines_px)[:MOST]:
         another = _unless_marks(look.images, warped, look.at_risen(risen, _fits(found)))
-        if another is not None:
+        if another is not None and not _is_a_piece(another, refused, images):
             found.append(_by_itself(another, images.rig))
             refused = [each for each in refused if not is_part_of(each, another[1].fit, images)]
     return found, refused
@@ -110,9 +110,14 @@ def _within(look: LastLook, warped: WarpedViews, refused: Sequence[Unread], foun
         # what is thin may be a pattern on a plate, or its shadow
         if another is None or is_flat(another[1].fit, TOP):
             continue
-        if disc.is_filled_by(another[1].fit, rig):
+        if disc.is_filled_by(another[1].fit, rig) and not _is_a_piece(another, refused, look.images):
             more.append(_by_itself(another, rig))
     return more
+
+
+def _is_a_piece(seen: Seen, refused: Sequence[Unread], images: Images) -> bool:
+    """Whether one view shows, of one object that it has whole, more than that solid."""
+    return any(is_seen_to_be_more(each, seen[1].fit, images) for each in refused)
 
 
 def _by_itself(seen: Seen, rig: StereoRig) -> Seen:

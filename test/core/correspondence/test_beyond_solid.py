@@ -10,7 +10,7 @@ from rendered_solids import PLACED, RIG, rectified
 from rendering import Scene, Sphere
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone
+from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone, is_seen_to_be_more
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes import SolidFit
@@ -54,6 +54,21 @@ def test_an_outline_of_one_view_is_the_solids_where_it_is_within_it(
     one = blob(side, by, moved_px)
     unread = Unread("merged", one, None) if side == 0 else Unread("merged", None, one)
     assert is_seen_alone(unread, BALL, images) is is_it
+
+
+@pytest.mark.parametrize(
+    ("by", "moved_px", "fault", "is_more"),
+    [(1.5, 0.0, "", True), (1.5, 0.0, "merged", False), (1.0, 0.0, "", False), (1.0, 100.0, "", False)],
+    ids=["more", "several", "all of it", "beside it"],
+)
+@pytest.mark.parametrize("side", [0, 1])
+def test_a_solid_is_a_piece_where_one_view_has_one_object_whole_that_is_more(
+    images: Images, side: int, by: float, moved_px: float, fault: str, is_more: bool
+) -> None:
+    one = replace(blob(side, by, moved_px), fault=fault)
+    unread = Unread("left_only", one, None) if side == 0 else Unread("right_only", None, one)
+    assert is_seen_to_be_more(unread, BALL, images) is is_more
+    assert not is_seen_to_be_more(Unread("other_shape", one, one), BALL, images)
 
 
 @pytest.mark.parametrize(("by", "is_it"), [(1.0, True), (1.5, False)])
