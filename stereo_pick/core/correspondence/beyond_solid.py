@@ -11,13 +11,16 @@ from stereo_pick.core.correspondence.overlap import covers
 from stereo_pick.core.correspondence.position import BlobPair
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
+from stereo_pick.core.shapes.creases import crease_points_m
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.predicted import inside
-from stereo_pick.core.shapes.sight import normalized
+from stereo_pick.core.shapes.sight import normalized, seen_px
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
 _MORE = 0.05  # of an outline, sharp and clear of the solid, from which the object is more than that ...
 _CLEAR_PX = 3.0  # ... by so much
+_WITHIN_PX = 4.0  # its silhouette, and clear of its creases
+_TO_CORNER = 2.5  # from the last point on a crease, in distances of two of them
 
 
 def goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
@@ -25,6 +28,28 @@ def goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
     polygons = fit.silhouettes(images.rig)
     cameras = images.rig.left, images.rig.right
     return any(_shows_more(*each) for each in zip(blobs, cameras, polygons))
+
+
+def ends_within(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
+    """Whether the outlines of both views end, sharp, in the middle of the solid's faces: as an angle's do, which a box
+    around it explains but for its notch."""
+    rig = images.rig
+    sides = zip(blobs, (rig.left, rig.right), fit.silhouettes(rig), rig.eyes_m)
+    return all(_share_within(blob, camera, polygon, fit, eye_m) > _MORE for blob, camera, polygon, eye_m in sides)
+
+
+def _share_within(blob: Blob, camera: Camera, polygon: Floats, fit: SolidFit, eye_m: Floats) -> float:
+    """The part of an outline that does."""
+    if not len(blob.sharpness):
+        return 0.0
+    inside_px = inside(normalized(blob.contour_px, camera)[None], polygon[None])[0] * camera.P[0, 0]
+    ends = (inside_px > _WITHIN_PX) & (blob.sharpness >= SHARP)
+    for crease_m in crease_points_m(fit.solid, eye_m):
+        crease_px = seen_px(crease_m, camera)
+        apart_px = float(np.linalg.norm(np.diff(crease_px, axis=0), axis=1).max())
+        away_px = np.linalg.norm(blob.contour_px[:, None] - crease_px, axis=2).min(axis=1)
+        ends &= away_px > _WITHIN_PX + _TO_CORNER * apart_px
+    return float(ends.mean())
 
 
 def is_seen_alone(unread: Unread, fit: SolidFit, images: Images) -> bool:

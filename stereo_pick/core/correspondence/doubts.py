@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond
+from stereo_pick.core.correspondence.beyond_solid import ends_within, goes_on_beyond
 from stereo_pick.core.correspondence.last_look import Seen
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import (
@@ -53,7 +53,10 @@ def placed_surely(
             continue
         (blobs, where), fit = row, each.fit
         doubt = _doubt(images, row, each, table, by_m, up_m)
-        if goes_on_beyond(blobs, fit, images) and not (warped and warped.is_surely_all_of(fit, blobs[0], fits)):
+        is_more = goes_on_beyond(blobs, fit, images)
+        if is_more and warped and warped.is_surely_all_of(fit, blobs[0], fits):
+            is_more = False
+        if is_more or ends_within(blobs, fit, images):
             doubt = doubt + _off_its_outlines(blobs, fit, images.rig)
         placed.append((blobs, by_adjusted(images.rig, where, exactly, doubt)))
     return placed

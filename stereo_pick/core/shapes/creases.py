@@ -45,6 +45,15 @@ def creases(solids: Solids, eyes_m: Floats) -> Creases:
     return Creases(none, none, none, none[..., 0] > 0)
 
 
+def crease_points_m(solids: Solids, eye_m: Floats) -> Floats:
+    """The points (C, POINTS, 3) [m] on those creases of one solid that an eye (3,) sees, rectified left frame."""
+    found = creases(solids, eye_m[None])
+    own_m = found.unit[0, 0] * solids.half_m[0, solids.kind.axes]
+    points_m = solids.centre_m[0] + own_m @ solids.rotation[0].T
+    seen = found.seen[0, 0].reshape(-1, POINTS).all(axis=1)
+    return np.asarray(points_m.reshape(-1, POINTS, 3)[seen])
+
+
 def _of_prisms(kind: Prism, half_m: Floats, eyes: Floats) -> Creases:
     """Along each edge; eyes: (S, E, 3), in the solids' own axes."""
     start, end = kind.corners[kind.edges]

@@ -10,11 +10,18 @@ from rendered_solids import PLACED, RIG, rectified
 from rendering import Scene, Sphere
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone, is_seen_to_be_more
+from stereo_pick.core.correspondence.beyond_solid import (
+    ends_within,
+    goes_on_beyond,
+    is_part_of,
+    is_seen_alone,
+    is_seen_to_be_more,
+)
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.sight import seen_px
 
 BALL = SolidFit("sphere", np.array([0.05, 0.0, 0.9]), np.eye(3), np.full(3, 0.04), 0.1, np.eye(3) * 1e-8)
 CAMERAS = RIG.left, RIG.right
@@ -94,3 +101,27 @@ def test_what_both_views_show_is_part_of_the_solid_where_it_is_within_it(
 ) -> None:
     assert is_part_of(Unread("merged", blob(0, by, moved_px), blob(1, by, moved_px)), BALL, images) is is_it
     assert is_part_of(Unread("merged", blob(0, by, moved_px), None), BALL, images) is is_it
+
+
+def box_of(images: Images) -> tuple[SolidFit, list[Floats]]:
+    """A box, and what both views show of the top of an angle that has two of its sides."""
+    half_m = np.array([0.03, 0.025, 0.02])
+    rotation = np.diag([1.0, -1.0, -1.0])
+    fit = SolidFit("box", np.array([0.05, 0.0, 0.9]), rotation, 2 * half_m, 0.1, np.eye(3) * 1e-8)
+    corners = np.array([(-1, -1), (1, -1), (1, -0.4), (-0.4, -0.4), (-0.4, 1), (-1, 1)])
+    top_m = fit.centre_m + (np.c_[corners, np.ones(6)] * half_m) @ rotation.T
+    return fit, [dense(seen_px(top_m, camera)) for camera in CAMERAS]
+
+
+def dense(corners_px: Floats) -> Floats:
+    ahead = np.roll(corners_px, -1, axis=0)
+    return np.concatenate([a + np.linspace(0, 1, 40)[:, None] * (b - a) for a, b in zip(corners_px, ahead)])
+
+
+def test_an_angle_ends_within_the_box_around_it_and_its_lit_top_along_its_creases(images: Images) -> None:
+    fit, angle_px = box_of(images)
+    corners_m = np.array([(-1, -1, 1), (1, -1, 1), (1, 1, 1), (-1, 1, 1)]) * fit.size_m / 2
+    tops_px = [dense(seen_px(fit.centre_m + corners_m @ fit.rotation.T, camera)) for camera in CAMERAS]
+    for outlines_px, sharpness, ends in ((angle_px, 1.0, True), (angle_px, 0.0, False), (tops_px, 1.0, False)):
+        left, right = (Blob(each, 100.0, sharpness=np.full(len(each), sharpness)) for each in outlines_px)
+        assert ends_within((left, right), fit, images) is ends
