@@ -19,8 +19,8 @@ REPEATED = (
     "images repeat the stamp of the one before: nothing tells which left and right image belong together; let the "
     "driver set the time of exposure of each"
 )
-MOST_AHEAD = 30  # images of one camera that wait for the other's: half a second of them, at 60 a second
 MOST_OFFSET_S = 1.0  # between the stamps of a pair: farther apart they are of different times
+_MOST_AHEAD = 30  # images of one camera that wait for the other's: half a second of them, at 60 a second
 _NS_PER_S = 1_000_000_000
 
 
@@ -91,7 +91,7 @@ class StampPairer(Generic[T]):
     Raises ParameterError on a negative offset or period and on an empty queue.
     """
 
-    def __init__(self, max_offset_ns: int, queue_length: int = MOST_AHEAD, min_period_ns: int = 0) -> None:
+    def __init__(self, max_offset_ns: int, queue_length: int = _MOST_AHEAD, min_period_ns: int = 0) -> None:
         for name, value, low in (
             ("max_offset_ns", max_offset_ns, 0),
             ("queue_length", queue_length, 1),
