@@ -65,6 +65,7 @@ class StampOrder:
 
     def __init__(self) -> None:
         self._last_ns: dict[Side, int] = {}
+        self._newest_ns: dict[Side, list[int]] = {}  # two at most, rising
 
     def fault(self, side: Side, stamp_ns: int) -> str | None:
         """Why an image of this stamp, the next one of its side, belongs to no other; None where it may."""
@@ -73,11 +74,17 @@ class StampOrder:
         return REPEATED if stamp_ns == self._last_ns.get(side) else None
 
     def starts_over(self, side: Side, stamp_ns: int) -> bool:
-        """Whether time goes back with this image, as where a replay starts over: what came before pairs no more."""
-        is_back = stamp_ns < self._last_ns.get(side, stamp_ns)
+        """Whether time goes back with this image, as where a replay starts over: what came before pairs no more.
+
+        An image of a time between those of the two newest has only been overtaken by one of them on its way.
+        """
+        newest_ns = self._newest_ns.get(side, [])
+        is_back = bool(newest_ns) and stamp_ns < newest_ns[-1] and stamp_ns <= newest_ns[0]
         if is_back:
+            self._newest_ns.clear()
             self._last_ns.clear()
         self._last_ns[side] = stamp_ns
+        self._newest_ns[side] = sorted([*self._newest_ns.get(side, []), stamp_ns])[-2:]
         return is_back
 
 

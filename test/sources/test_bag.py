@@ -201,6 +201,14 @@ def test_images_pair_though_one_camera_was_recorded_much_later(tmp_path: Path, l
     assert len(list(open_source(write_ros2(tmp_path / "bag", by_time)))) == 40
 
 
+@pytest.mark.parametrize(("first", "second"), [(LEFT, RIGHT), (RIGHT, LEFT)])
+def test_an_image_that_the_next_one_overtook_costs_its_own_pair_only(tmp_path: Path, first: str, second: str) -> None:
+    messages = stereo(6, left=first, right=second)
+    messages[4], messages[6] = messages[6], messages[4]
+    by_time = [replace(each, log_ns=10**18 + i) for i, each in enumerate(messages)]
+    assert len(list(open_source(write_ros2(tmp_path / "bag", by_time)))) == 5
+
+
 def test_iterating_again_starts_over(tmp_path: Path, write: Any) -> None:
     source = open_source(write(tmp_path / "bag", stereo(3)))
     next(iter(source))
