@@ -29,16 +29,19 @@ _LOST = 0.1  # part of an object's pixels that may be clipped where its backgrou
 
 
 def view_fault(view: View, blobs: Sequence[Blob], least_contrast: float) -> str:
-    """Why a view that shows no object may yet hold some: `too_dark`, `saturated`, `uneven`, or nothing.
+    """Why a view cannot show all its objects: `too_dark`, `saturated`, `uneven`, or nothing.
 
-    too_dark: even what is wholly black would stand out from the background by less than least_contrast [grey
-    levels]. saturated: more than half of the view is as bright as it can get, and so would be brighter objects. uneven:
-    objects of most grey levels would stand out by less.
+    too_dark: nothing in it is brighter than cameras are without light; or it shows no object, and even what is wholly
+    black would stand out from the background by less than least_contrast [grey levels]. The others are of a view that
+    shows no object, too. saturated: more than half of it is as bright as it can get, and so would be brighter objects.
+    uneven: objects of most grey levels would stand out by less.
     """
-    if any(blob.fault != "faint" for blob in blobs):
-        return ""
     grey = view.smooth[view.inside]
     if not grey.size:
+        return ""
+    if float(grey.max()) <= _BLACK:
+        return "too_dark"
+    if any(blob.fault != "faint" for blob in blobs):
         return ""
     level = float(np.median(grey))
     if level >= CLIPPED:

@@ -29,7 +29,7 @@ from stereo_pick.ros.topics import ANNOTATED, CORRESPONDENCES, IMAGE_RECT, SIDES
 _REMEDIES = {
     "swapped": "; exchange the two image topics, or the cameras",
     "misaligned": " Calibrate again",
-    "too_dark": "; give more light, or expose longer",
+    "too_dark": "; give more light, or expose longer; 12-bit images in 16 bits need full_scale_16",
     "saturated": "; expose for a shorter time, or close the iris",
     "out_of_focus": "; focus the lens on the work surface, or close the iris",
     "uneven": "; learn it from an empty view (segmentation.background_file), or put down plain cloth",

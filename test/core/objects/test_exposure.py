@@ -45,6 +45,13 @@ def test_a_pair_without_light_is_too_dark(scene: str, offset_dn: float, gain: fl
     assert reasons(result)["too_dark"] == 2
 
 
+def test_parts_that_a_twelve_bit_image_shows_in_sixteen_are_too_dark_to_be_placed() -> None:
+    steps = discs(PLACES, surface=13.0, background=3.0)
+    blobs = Detector().detect(pair_of(steps))
+    assert len(blobs.left) == len(PLACES)
+    assert blobs.view_faults == ("too_dark", "too_dark")
+
+
 @pytest.mark.parametrize("dark_side", [0, 1])
 def test_a_lens_cap_on_one_camera_is_said_of_that_camera(dark_side: int) -> None:
     sensors = [Sensor(), Sensor()]
