@@ -42,7 +42,7 @@ def _share_within(blob: Blob, camera: Camera, polygon: Floats, fit: SolidFit, ey
     """The part of an outline that does."""
     if not len(blob.sharpness):
         return 0.0
-    inside_px = _inside_px(blob, camera, polygon)
+    inside_px = outline_inside_px(blob, camera, polygon)
     ends = (inside_px > _WITHIN_PX) & (blob.sharpness >= SHARP)
     for crease_m in crease_points_m(fit.solid, eye_m):
         crease_px = seen_px(crease_m, camera)
@@ -84,11 +84,11 @@ def is_part_of(unread: Unread, fit: SolidFit, images: Images) -> bool:
 def _shows_more(blob: Blob, camera: Camera, polygon: Floats) -> bool:
     """Whether part of an outline is sharp, as far as that was measured, and lies clear of a silhouette (K, 2),
     normalized."""
-    inside_px = _inside_px(blob, camera, polygon)
+    inside_px = outline_inside_px(blob, camera, polygon)
     is_sharp = blob.sharpness >= SHARP if len(blob.sharpness) else np.ones(len(inside_px), bool)
     return float(((inside_px < -_CLEAR_PX) & is_sharp).mean()) > _MORE
 
 
-def _inside_px(blob: Blob, camera: Camera, polygon: Floats) -> Floats:
+def outline_inside_px(blob: Blob, camera: Camera, polygon: Floats) -> Floats:
     """How far (N,) [px] an outline lies inside a silhouette (K, 2), normalized; less than 0 outside."""
     return np.asarray(inside(normalized(blob.contour_px, camera)[None], polygon[None])[0] * camera.P[0, 0], np.float64)

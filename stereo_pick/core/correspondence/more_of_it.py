@@ -14,13 +14,14 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.correspondence.beyond_solid import outline_inside_px
 from stereo_pick.core.correspondence.coaxial import are_coaxial
 from stereo_pick.core.correspondence.flush_boxes import are_flush, moved_m
 from stereo_pick.core.correspondence.left_over import Unread
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
 from stereo_pick.core.correspondence.position import BlobPair, Row, of_size
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.objects.beside import are_beside
+from stereo_pick.core.objects.beside import BESIDE_PX, are_beside
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.solid_fit import SolidFit
 
@@ -90,7 +91,7 @@ def _as_unsure(
     blobs, where = row
     if where.fit is None:
         return row
-    touching = [pair for pair in others if _touch(blobs, pair) and not lies_flat(pair, where.fit)]
+    touching = [pair for pair in others if _touches(blobs, where.fit, pair, rig) and not lies_flat(pair, where.fit)]
     if not touching:
         return row
     off_px = max(_moved_px(where.fit, pair, rig) for pair in touching)
@@ -98,6 +99,17 @@ def _as_unsure(
         return row
     off_m = off_px * float(where.fit.centre_m[2]) / rig.focal_px
     return blobs, replace(where, covariance=where.covariance + off_m**2 * np.eye(3) + of_size(where.fit))
+
+
+def _touches(blobs: BlobPair, fit: SolidFit, other: BlobPair, rig: StereoRig) -> bool:
+    """Whether another object touches this one in both views; in one of them that may be the solid, of which an outline
+    may lack a face."""
+    beside = [are_beside(*each) for each in zip(blobs, other)]
+    sides = zip(beside, other, (rig.left, rig.right), fit.silhouettes(rig))
+    return any(beside) and all(
+        touches or bool(outline_inside_px(blob, camera, polygon).max() > -BESIDE_PX)
+        for touches, blob, camera, polygon in sides
+    )
 
 
 def _moved_px(fit: SolidFit, pair: BlobPair, rig: StereoRig) -> float:

@@ -11,7 +11,9 @@ import numpy as np
 from stereo_pick.core.objects.blob import Blob, Blobs
 from stereo_pick.core.objects.foreground import Contrast
 
-_BESIDE_PX = 5.0  # between two outlines: the blur of both
+BESIDE_PX = 5.0
+"""Between two outlines that touch: the blur of both."""
+
 _OF_SHADOW = 0.5  # of the light of the table, that a soft shadow takes away
 _HIGH_LIGHT = 0.5  # of a dark object's area, at most
 
@@ -39,7 +41,7 @@ def is_high_light(bright: Blob, dark: Blob) -> bool:
     return inside and bright.area_px2 < _HIGH_LIGHT * dark.area_px2
 
 
-def are_beside(one: Blob, other: Blob, reach_px: float = _BESIDE_PX) -> bool:
+def are_beside(one: Blob, other: Blob, reach_px: float = BESIDE_PX) -> bool:
     """Whether two outlines come as near to each other as this."""
     outline = other.contour_px
     low, high = outline.min(axis=0) - reach_px, outline.max(axis=0) + reach_px

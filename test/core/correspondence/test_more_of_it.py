@@ -45,6 +45,19 @@ def test_what_does_not_touch_in_both_views_is_something_else(away: tuple[float, 
     assert not added(away).any()
 
 
+@pytest.mark.parametrize(("away", "is_piece"), [(2.0, True), (2.5, False)])
+def test_what_touches_the_solid_where_an_outline_lacks_a_face_of_it_may_be_more_of_it(
+    away: float, is_piece: bool
+) -> None:
+    """As the sides of a dark part do, of which one view does not tell the top from the table."""
+    (x, y), (right_x, right_y) = PLACES
+    blobs = disc(x - 0.5 * RADIUS_PX, y, 0.5 * RADIUS_PX), disc(right_x, right_y, RADIUS_PX)
+    others = disc(x + away * RADIUS_PX, y, RADIUS_PX), disc(right_x + away * RADIUS_PX, right_y, RADIUS_PX)
+    row = blobs, Located(*PLACES, 0.1, BALL)
+    ((_, where),) = as_unsure_as_whole([row], [], [Unread("merged", *others)], PARALLEL, None)
+    assert where.covariance.any() == is_piece
+
+
 @pytest.mark.parametrize(("down", "is_piece"), [(0.0, True), (1.5, True), (2.2, False)])
 def test_what_each_view_alone_shows_beside_it_is_one_thing_if_that_is_on_the_same_rows(
     down: float, is_piece: bool
