@@ -57,19 +57,38 @@ def _is_misaligned(blobs: Blobs, rig: StereoRig) -> bool:
     notches, prints among them, may outnumber the others: where most of those without fit, the rest does not count. Nor
     does any of it where most of the other polarity fits: shadows may differ where lit parts do not.
     """
-    asked = [sides for sides in (blobs.sound(), _located(blobs)) if _are_several(sides)]
+    asked = [sides for sides in (_whole(blobs.sound(), blobs, rig), _located(blobs, rig)) if _are_several(sides)]
     if not asked:
         return False
     if not any(_most_fit(sides, rig) for sides in asked):
-        others = _located(blobs.others) if blobs.others else ([], [])
+        others = _located(blobs.others, rig) if blobs.others else ([], [])
         return not (_are_several(others) and _most_fit(others, rig))
     offsets_px = _fitting_px(*asked[-1], rig)
     return len(offsets_px) >= _SEVERAL and abs(float(np.median(offsets_px))) > Feature().epipolar_tolerance_px
 
 
-def _located(blobs: Blobs) -> Sides:
-    left, right = ([blob for blob in side if blob.fault in ("", "merged")] for side in (blobs.left, blobs.right))
-    return left, right
+def _located(blobs: Blobs, rig: StereoRig) -> Sides:
+    return _whole((_of(blobs.left, "", "merged"), _of(blobs.right, "", "merged")), blobs, rig)
+
+
+def _whole(sides: Sides, blobs: Blobs, rig: StereoRig) -> Sides:
+    """The same but those that the border may cut in the other view."""
+    left, right = sides
+    cut_left, cut_right = (_of(side, "cut_by_border") for side in (blobs.left, blobs.right))
+    if not cut_left and not cut_right:
+        return sides
+    pairs = fitting_pairs([*left, *cut_left], [*right, *cut_right], rig, _MAY_BE_ITS_TOP)
+    partly_left = {i for i, j in pairs if j >= len(right)}
+    partly_right = {j for i, j in pairs if i >= len(left)}
+    return _but(left, partly_left), _but(right, partly_right)
+
+
+def _of(side: Sequence[Blob], *faults: str) -> list[Blob]:
+    return [blob for blob in side if blob.fault in faults]
+
+
+def _but(side: list[Blob], some: set[int]) -> list[Blob]:
+    return [blob for i, blob in enumerate(side) if i not in some]
 
 
 def _are_several(sides: Sides) -> bool:

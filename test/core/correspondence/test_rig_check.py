@@ -164,6 +164,17 @@ def test_an_outline_of_several_fits_each_of_them_in_the_other_view(fault: str, e
     assert rig_fault(seen(left, right), PARALLEL) == expected
 
 
+@pytest.mark.parametrize(("by_px", "expected"), [(0.0, ""), (15.0, "misaligned")])
+def test_what_the_border_cuts_in_one_view_is_asked_of_neither(by_px: float, expected: str) -> None:
+    """Two parts fit; of two others the left view shows the upper halves, and marks elsewhere."""
+    parts = [upright(300, 100, 60), upright(380, 160, 70)]
+    marks = [upright(60, 20, 25), upright(560, 330, 20)]
+    cut = [replace(upright(x_px, 400, 80), fault="cut_by_border") for x_px in (160, 460)]
+    right = [upright(240, 100, 60), upright(320, 160, 70)]
+    right += [upright(x_px, 400 + by_px, 130) for x_px in (100, 400)]
+    assert rig_fault(seen([*parts, *marks, *cut], right), PARALLEL) == expected
+
+
 @pytest.mark.parametrize(("by_px", "expected"), [(0.0, ""), (12.0, "misaligned")])
 def test_shadows_that_do_not_fit_are_no_sign_where_lit_parts_do(by_px: float, expected: str) -> None:
     """What is in a shadow of one view is beside a part in the other, and none of it need fit."""
