@@ -226,8 +226,10 @@ def _is_among(several: Sequence[Found], found: Supported) -> bool:
 
 
 def _is_as_likely(another: Adjusted, found: Adjusted) -> bool:
-    """Whether as much of it shows, with no more edges beside it, and not without the creases that it must have."""
-    return another.shown >= found.shown and another.denied <= found.denied and another.creased >= CREASED
+    """Whether as much of it shows, with no more edges beside it, where it says they are, and not without the creases
+    that it must have."""
+    shows_as_much = another.shown >= found.shown and another.denied <= found.denied
+    return shows_as_much and another.creased >= CREASED and not another.is_astray
 
 
 def _most_shown(several: Sequence[Found], shown: float) -> float:

@@ -198,6 +198,21 @@ def test_where_it_is_open_which_of_two_it_is_neither_is_taken(monkeypatch: pytes
     assert at(images, blobs, [], []) is not None
 
 
+@pytest.mark.parametrize(("residual_px", "may_be_it"), [(0.1, True), (0.4, False)])
+def test_a_part_may_be_another_solid_that_shows_as_much_only_where_edges_put_that(
+    residual_px: float, may_be_it: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    images, blobs, _ = lone(PARTS["box"])
+    true = solid_of(RIG, Scene((PARTS["box"],), PLACED), PARTS["box"])
+    fit = SolidFit("box", true.centre_m[0], true.rotation[0], true.size_m()[0], 0.05, 1e-9 * np.eye(3))
+    rival = replace(fit, centre_m=fit.centre_m + 0.01 * true.rotation[0, :, 0], residual_px=residual_px)
+    monkeypatch.setattr(last_look, "nearly", lambda *_: [Supported(rival, 0.8, 0.05, believable=True)])
+    monkeypatch.setattr(last_look, "adjusted", lambda fits, *_, **__: ([Adjusted(fits[0], 0.8, 0.9, True, 0.1)], TABLE))
+    another, off_m = LastLook(images, TABLE, [], []).instead(blobs, [], Adjusted(fit, 0.75, 1.0, True, 0.15))
+    assert another is None
+    assert np.linalg.norm(off_m) == pytest.approx(0.01 if may_be_it else 0.0)
+
+
 def test_what_shows_its_creases_is_taken_before_what_shows_more_of_its_silhouette(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
