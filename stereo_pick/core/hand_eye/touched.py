@@ -20,6 +20,8 @@ MAX_SCALE_ERROR = 0.1
 MAX_MISFIT = 0.1  # of the points' extent
 OUTLIER_MIN_POINTS = 5  # of four, any three fit well without the fourth
 OUTLIER_TIMES = 3.0  # by how much the scatter falls without it: by chance once in some hundred sets of five
+MIRRORED_TIMES = 3.0  # by how much worse a mirrored frame fits where points tell it from a right-handed one
+EXACT_M = 1e-6  # hardly a miss
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,14 +40,14 @@ class TouchedPoint:
 def solve_touched(points: Sequence[TouchedPoint]) -> HandEye:
     """Find `base_T_camera` by the rigid fit of three or more points (Kabsch 1976), all weighed alike.
 
-    Raises CalibrationError, with the measured value, on fewer points, points on a line, in other units, and on
-    points that do not fit together.
+    Raises CalibrationError, with the measured value, on fewer points, points on a line, in other units, of a
+    left-handed frame, and on points that do not fit together.
     """
     base, camera = _checked(points)
     fitted = _fit(base, camera)
-    misses = np.linalg.norm(fitted.apply(camera) - base, axis=1)
-    extent_m, rms_m = _extent_m(base), float(np.sqrt((misses**2).mean()))
-    outliers = _outliers(points, base, camera)
+    misses = _misses_m(fitted, base, camera)
+    extent_m, rms_m = _extent_m(base), _rms(misses)
+    outliers, handed = _outliers(points, base, camera), _handed(fitted, base, camera)
     if rms_m > MAX_MISFIT * extent_m:
         worst = points[int(misses.argmax())].name
         raise CalibrationError(
@@ -59,7 +61,29 @@ def solve_touched(points: Sequence[TouchedPoint]) -> HandEye:
         found=UncertainTransform(fitted, _covariance(fitted, base, camera)),
         residuals=tuple(Residual(point.name, float(miss * 1000)) for point, miss in zip(points, misses)),
         method="touched-points, rigid fit",
-        warnings=outliers,
+        warnings=(*outliers, *handed),
+    )
+
+
+def _handed(fitted: Transform, base: Floats, camera: Floats) -> tuple[str, ...]:
+    """That a mirrored frame fits about as well, as text, as it does points in one plane; nothing if it does not.
+
+    Raises CalibrationError where it fits clearly better.
+    """
+    mirrored = camera * (1, 1, -1)
+    rms_m, mirrored_m = _rms(_misses_m(fitted, base, camera)), _rms(_misses_m(_fit(base, mirrored), base, mirrored))
+    if rms_m > MIRRORED_TIMES * max(mirrored_m, EXACT_M):
+        raise CalibrationError(
+            f"the points fit {rms_m * 1000:.1f} mm (rms), and {mirrored_m * 1000:.1f} mm with one frame mirrored: is "
+            "one left-handed? Exchange its x and y, or change the sign of one of them"
+        )
+    if mirrored_m > MIRRORED_TIMES * max(rms_m, EXACT_M):
+        return ()
+    camera_mm, points_mm = 1000 * fitted.translation[2], 1000 * base[:, 2].mean()
+    return (
+        "the points lie in one plane, which fits a mirrored frame as well: by them the camera stands at z = "
+        f"{camera_mm:.0f} mm of the base, and they at {points_mm:.0f} mm. If it does not, one frame is left-handed; a "
+        "point touched well beside the plane would tell",
     )
 
 
@@ -91,6 +115,15 @@ def _fit(base: Floats, camera: Floats) -> Transform:
     base_mean, camera_mean = base.mean(axis=0), camera.mean(axis=0)
     rotation = nearest_rotation((base - base_mean).T @ (camera - camera_mean))
     return Transform(rotation, base_mean - rotation @ camera_mean)
+
+
+def _misses_m(fitted: Transform, base: Floats, camera: Floats) -> Floats:
+    """How far (N,) [m] each point is from where it was touched."""
+    return np.asarray(np.linalg.norm(fitted.apply(camera) - base, axis=1))
+
+
+def _rms(misses_m: Floats) -> float:
+    return float(np.sqrt((misses_m**2).mean()))
 
 
 def _variance(fitted: Transform, base: Floats, camera: Floats) -> float:

@@ -31,7 +31,27 @@ def test_exact_points_give_the_exact_place(count: int) -> None:
     result = solve_touched(touched(CORNERS[:count]))
     np.testing.assert_allclose(error(result.found.transform), 0, atol=1e-12)
     assert result.name == "base_T_camera" and result.rms_deg is None and result.rms_mm < 1e-9
-    assert result.warnings == ()
+    assert [text[:28] for text in result.warnings] == ["the points lie in one plane,"] * (count == 3)
+
+
+@pytest.mark.parametrize("mirrored", [(1, -1, 1), (1, 1, -1)])
+def test_a_left_handed_frame_is_refused_where_the_points_tell(mirrored: tuple[int, int, int]) -> None:
+    low = CORNERS * (1, 1, 0.2)  # hardly off one plane
+    points = [TouchedPoint(p.name, p.base_xyz * mirrored, p.camera_xyz) for p in touched(low, 5e-4)]
+    with pytest.raises(CalibrationError, match="with one frame mirrored: is one left-handed"):
+        solve_touched(points)
+
+
+@pytest.mark.parametrize(("mirrored", "stands_mm"), [((1, 1, 1), 900), ((1, -1, 1), -860)])
+def test_points_in_one_plane_cannot_tell_and_what_would_is_said(mirrored: tuple[int, int, int], stands_mm: int) -> None:
+    """Those of a level table, 20 mm up, seen from above."""
+    table = np.array([(x, y, 0.02) for x in (0.3, 0.4, 0.5) for y in (-0.2, 0.1)])
+    points = [
+        TouchedPoint(str(i), base * mirrored, camera)
+        for i, (base, camera) in enumerate(zip(table, base_T_camera.inverse().apply(table)))
+    ]
+    (warning,) = solve_touched(points).warnings
+    assert f"the camera stands at z = {stands_mm} mm of the base, and they at 20 mm" in warning
 
 
 def test_the_stated_uncertainty_covers_the_truth_as_often_as_it_claims() -> None:
