@@ -177,17 +177,24 @@ class Feature(Method):
         objects = [row for row in together.kept if row not in prints]
         normal = table.normal if table else common_normal([where.fit for _, where in objects])
         is_choosy = self.assignment == "global"  # the thesis takes what comes
+        beyond = [row for row in objects if is_choosy and not self._is_in_range(row[1], rig)]
+        objects = [row for row in objects if row not in beyond]
         looks_at_shadows = is_choosy and self.table == FOUND  # those of what hangs are elsewhere
         shaded = [row for row in objects if looks_at_shadows and scene.may_be_shaded(row, rig)]
         kept, unknown = self._of_known_reference([row for row in objects if row not in shaded], normal)
         most = self.max_sigma_of_width if is_choosy else np.inf
         unread = [*together.refused, *scene.reading.for_good, *marks, *(Unread("flat", *each) for each, _ in prints)]
+        unread += [Unread("out_of_range", *each) for each, _ in beyond]
         unread += [Unread("shaded", *each) for each, _ in shaded]
         unread += [Unread("no_solid", *each) for each, _ in unknown]
         sure, unsure = by_certainty(kept, unread, rig, most, together.warped)
         sure.sort(key=lambda row: float(row[1].left_px[0]))
         matches = [self._match(rig, left, where, normal) for (left, _), where in sure]
         return collect(matches, [each.refusal for each in unread + unsure])
+
+    def _is_in_range(self, where: Located, rig: StereoRig) -> bool:
+        least_px, most_px = self.disparities_px(rig)
+        return bool(least_px <= where.left_px[0] - where.right_px[0] <= most_px)
 
     def _of_known_reference(self, rows: list[Row], normal: Floats | None) -> tuple[list[Row], list[Row]]:
         """Those of which the reference point is known, and the others."""

@@ -7,11 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from outlines import BASELINE_M, PARALLEL, blank_pair, disc, discs, grey_image, seen
+from rendered_solids import PARTS, PLACED, RIG, centre_m, rectified
+from rendering import Scene
 
 from stereo_pick.core.correspondence import Correspondences
 from stereo_pick.core.correspondence.feature import Feature, least_area_difference
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Detector
+from stereo_pick.core.pipeline import Steps
 from stereo_pick.core.refusal import count_reasons
 
 PAIR = blank_pair()
@@ -31,6 +34,18 @@ def test_alike_objects_in_a_row_keep_their_order(count: int) -> None:
     found = match(row_of(count, 200), row_of(count, 120))
     np.testing.assert_allclose(found.left_px[:, 0] - found.right_px[:, 0], 80, atol=1e-9)
     assert len(found) == count and not found.refused
+
+
+@pytest.mark.parametrize("limit", ["min_depth_m", "max_depth_m"])
+def test_what_stands_beyond_a_limit_is_refused_though_others_show_the_table_below_it(limit: str) -> None:
+    scene = Scene(tuple(PARTS.values()), PLACED, ambient=0.7)
+    depths = sorted(centre_m(RIG, scene, part)[2] for part in PARTS.values())
+    between_m = float(np.mean(depths[1:3]))
+    steps = Steps(method=Feature(**{limit: between_m}))
+    _, matches = steps.correspond(rectified(RIG, scene))
+    found = sorted(steps.locate(matches, RIG, 0).xyz @ RIG.left.R[2])
+    np.testing.assert_allclose(found, depths[:2] if limit == "max_depth_m" else depths[2:], atol=1e-3)
+    assert set(count_reasons(matches.refused)) <= {"out_of_range", "left_only", "right_only"}
 
 
 @pytest.mark.parametrize(("in_left", "in_right"), [(4, 3), (3, 4), (1, 2), (2, 1)])
