@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -33,16 +33,19 @@ def uncrossed(pairs: Pairs, cost: Floats, left: Sequence[Blob], right: Sequence[
     return list(partner.items())
 
 
-def ambiguous_pairs(pairs: Pairs, cost: Floats, margin: float) -> set[tuple[int, int]]:
-    """The pairs that could as well be formed otherwise.
+def ambiguous_pairs(
+    pairs: Pairs, cost: Floats, margin: float, known: Collection[tuple[int, int]] = ()
+) -> set[tuple[int, int]]:
+    """The pairs that could as well be formed otherwise; known: some of which that is known.
 
     A pair is in doubt when an object that is left over fits one of its ends within `margin` of its own cost; its
     other end is then left over too, and may cast doubt on the next pair: every chain of exchanges that makes
     another assignment as good is followed to its end.
     """
-    free_left = set(range(cost.shape[0])) - {i for i, _ in pairs}
-    free_right = set(range(cost.shape[1])) - {j for _, j in pairs}
-    doubtful: set[tuple[int, int]] = set()
+    doubtful = set(known)
+    certain = [pair for pair in pairs if pair not in doubtful]
+    free_left = set(range(cost.shape[0])) - {i for i, _ in certain}
+    free_right = set(range(cost.shape[1])) - {j for _, j in certain}
     grows = True
     while grows:
         grows = False

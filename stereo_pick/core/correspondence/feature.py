@@ -131,7 +131,8 @@ class Feature(Method):
     def match(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         """Return the centres of matched objects, left to right in the left view."""
         similarity = self.similarity(pair.rig)
-        reader = Reader(_images(pair, blobs), similarity, self.ambiguity_margin, self.flat_parts, self.last_look)
+        images, is_given = _images(pair, blobs), self._given_table() is not None
+        reader = Reader(images, similarity, self.ambiguity_margin, self.flat_parts, self.last_look, is_given)
         marked = self._on_marks(reader, blobs)
         if marked is not None:
             return marked

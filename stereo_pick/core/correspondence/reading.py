@@ -12,6 +12,7 @@ from stereo_pick.core.correspondence.found_table import FoundTable, Shaded, Tabl
 from stereo_pick.core.correspondence.left_over import Unread, left_over
 from stereo_pick.core.correspondence.located import locate
 from stereo_pick.core.correspondence.on_table import OnTable
+from stereo_pick.core.correspondence.out_of_view import OpenRows
 from stereo_pick.core.correspondence.overlap import one_in_each_place
 from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.similarity import Similarity
@@ -69,13 +70,14 @@ class Reading:
 @dataclass(frozen=True, eq=False)
 class Reader:
     """images: the views; similarity: by how much an object may differ between them; ambiguity_margin, flat_parts,
-    last_look: as of `Feature`."""
+    last_look: as of `Feature`; is_table_given: whether what is paired wrongly would not be on it."""
 
     images: Images
     similarity: Similarity
     ambiguity_margin: float
     flat_parts: bool
     last_look: bool
+    is_table_given: bool
 
     def look(self, blobs: Blobs) -> FirstLook:
         """Match the objects of both views, and find out where they are."""
@@ -127,7 +129,10 @@ class Reader:
         one, other = _locatable(left), _locatable(right)
         cost = self.similarity.costs(one, other)
         pairs = uncrossed(assign(cost, unmatched_cost=1.0), cost, one, other)
-        doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin)
+        cut = [blob for blob in (*left, *right) if blob.fault == "cut_by_border" and not self.is_table_given]
+        rows = OpenRows((one, other), self.images.rig, cut, self.similarity)
+        open_ = rows.ambiguous_pairs(pairs, cost, self.ambiguity_margin)
+        doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin, open_)
         sure = [(one[i], other[j]) for i, j in pairs if (i, j) not in doubtful]
         return sure, [(one[i], other[j]) for i, j in sorted(doubtful)]
 

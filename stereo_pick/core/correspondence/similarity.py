@@ -55,6 +55,12 @@ class Similarity:
         cost = (known * gaps**2).sum(axis=-1) / np.maximum(known.sum(axis=-1), 1)
         return np.where(possible, cost, np.inf)
 
+    def is_on_rows(self, piece: Blob, blob: Blob) -> bool:
+        """Whether what may be but a piece is on the rows of another object."""
+        (first, last), (top, bottom) = piece.rows_px, blob.rows_px
+        tolerance = self.epipolar_tolerance_px + self.shape_tolerance * (bottom - top)
+        return bool(top - tolerance <= first and last <= bottom + tolerance)
+
 
 def _features(blobs: Sequence[Blob]) -> Floats:
     """Top, bottom and centroid row, centroid column, area [px, px²], and how far the rows and the area are the
