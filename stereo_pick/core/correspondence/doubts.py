@@ -11,6 +11,7 @@ from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.beyond_solid import ends_within, goes_on_beyond
 from stereo_pick.core.correspondence.last_look import Seen
 from stereo_pick.core.correspondence.lying_flat import WarpedViews
+from stereo_pick.core.correspondence.mirrored import mirrored_m
 from stereo_pick.core.correspondence.position import (
     BlobPair,
     Row,
@@ -46,13 +47,14 @@ def placed_surely(
     fits = [each.fit for _, each in seen]
     moved_m = table_moved_m(fits, before, table)
     higher_m = raised_m(images, [each for _, each in seen], table) if table else np.zeros(len(seen))
+    imaged_m = mirrored_m(images, fits, table.normal if table else None)
     placed = []
-    for (row, each), exactly, by_m, up_m in zip(seen, exact, moved_m, higher_m):
+    for (row, each), exactly, by_m, up_m, image_m in zip(seen, exact, moved_m, higher_m, imaged_m):
         if each.is_astray:
             placed.append(row)
             continue
         (blobs, where), fit = row, each.fit
-        doubt = _doubt(images, row, each, table, by_m, up_m)
+        doubt = _doubt(images, row, each, table, by_m, up_m) + np.outer(image_m, image_m)
         is_more = goes_on_beyond(blobs, fit, images)
         if is_more and warped and warped.is_surely_all_of(fit, blobs[0], fits):
             is_more = False

@@ -21,6 +21,7 @@ from stereo_pick.core.correspondence.shaded_foot import in_its_shadow
 from stereo_pick.core.correspondence.standing_out import stands_out
 from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.adjustment import adjusted
+from stereo_pick.core.shapes.common_table import base_m, stands_on
 from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.open_end import has_open_end
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -51,7 +52,7 @@ def adjusted_together(reader: Reader, reading: Reading, known: bool, edge_radius
     known: whether the table is known without them; edge_radius_m: one sigma of how far their edges are rounded.
     """
     images, rows, table = reader.images, reading.kept, reading.table
-    whole = [_with_dark_ends(images, row, rows) for row in rows]
+    whole = [_with_dark_ends(images, row, rows, table) for row in rows]
     rest = [row for row in whole if row[1].fit is None or row[1].is_rough]
     solids = [row for row in whole if row not in rest]
     found, common = _adjusted(images, solids, table, known)
@@ -85,13 +86,20 @@ def adjusted_together(reader: Reader, reading: Reading, known: bool, edge_radius
     return Together(rest + astray + [row for row in placed if row not in flat + more], refused, warped)
 
 
-def _with_dark_ends(images: Images, row: Row, rows: Sequence[Row]) -> Row:
-    """The same with the ends that its own outlines, where they are clear of the others, leave out."""
+def _with_dark_ends(images: Images, row: Row, rows: Sequence[Row], table: Table | None) -> Row:
+    """The same with the ends that its own outlines, where they are clear of the others, leave out; but what stands on
+    the table does not go on below it, though a mirror may show it there."""
     blobs, where = row
-    if not may_have_dark_ends(where):
+    if where.fit is None or not may_have_dark_ends(where):
         return row
     others = [each.fit for _, each in rows if each is not where and each.fit is not None]
-    return blobs, with_dark_ends(images.rig, clear_of(blobs, images.behind(others), where.fit), where)
+    whole = with_dark_ends(images.rig, clear_of(blobs, images.behind(others), where.fit), where)
+    return row if table is not None and _sinks(where.fit, whole.fit, table) else (blobs, whole)
+
+
+def _sinks(stands: SolidFit, whole: SolidFit | None, table: Table) -> bool:
+    """Whether what stands on the table would go on below it."""
+    return whole is not None and stands_on(table, stands) and not stands_on(table, whole) and base_m(table, whole) < 0
 
 
 def _adjusted(

@@ -33,7 +33,7 @@ def shortened(solid: Solids, eyes_m: Floats, views: Sequence[EdgeMap], table: Ta
     candidates = _candidates(solid, views[0].camera.P[0, 0], table)
     if candidates is None:
         return []
-    shown = np.min([_shown_ends(candidates, solid, eyes_m, view, i) for i, view in enumerate(views)], axis=0)
+    shown = np.min([shown_ends(candidates, solid, eyes_m, view, i) for i, view in enumerate(views)], axis=0)
     best = np.argsort(-shown, kind="stable")[:_MOST]
     return [candidates.only(np.array([i])) for i in best if shown[i] > _SHOWN]
 
@@ -55,7 +55,7 @@ def _candidates(solid: Solids, focal_px: float, table: Table | None) -> Solids |
     return found.turning_about(table.normal) if table else found.turning_freely()
 
 
-def _shown_ends(shorter: Solids, solid: Solids, eyes_m: Floats, view: EdgeMap, side: int) -> Floats:
+def shown_ends(shorter: Solids, solid: Solids, eyes_m: Floats, view: EdgeMap, side: int) -> Floats:
     """The part (S,) of what is new in the silhouettes of shorter solids that one view shows; side: which one."""
     focal_px = view.camera.P[0, 0]
     eye_m = eyes_m[side : side + 1]
