@@ -57,6 +57,7 @@ CORE_LAYERS = (
     "annotation",
     "depth_report",
     "pipeline",
+    "learned_parts",
     "configuration",
 )
 CORE_LIBRARIES = sys.stdlib_module_names | {"cv2", "numpy", "yaml"}

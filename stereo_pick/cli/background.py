@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from stereo_pick.cli.outputs import keep
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, read_files, source_rig
 from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.learned_parts import parts_learned
 from stereo_pick.core.objects.background_files import save_background
 from stereo_pick.core.objects.learned import BackgroundLearner
 from stereo_pick.core.rectification import Rectifier
@@ -49,5 +51,7 @@ def run(args: argparse.Namespace) -> int:
         learner.add(rectifier.rectify(StereoFrame(*pair.images(), pair.stamp_ns)))
     background = learner.finished()
     save_background(args.output, background)
+    if warning := parts_learned(learner.mean_pair()):
+        print(f"stereo-pick: warning: {warning}", file=sys.stderr)
     print(f"{args.output}: learned from {background.pairs} pairs, for calibration {background.calibration_hash}")
     return 0

@@ -159,7 +159,8 @@ def check_baseline(right_T_left: Transform) -> None:
     if -centre[0] > np.abs(centre[1:]).max():
         raise CalibrationError(
             f"baseline = {centre[0]:.4f} m is negative: the right camera stands left of the left one; "
-            "left and right are swapped: exchange them, or calibrate again"
+            "left and right are swapped: exchange them, or calibrate again; or R and T are of the inverse direction: "
+            "X_right = R X_left + T is meant"
         )
 
 

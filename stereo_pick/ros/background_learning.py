@@ -10,6 +10,7 @@ from std_srvs.srv import Trigger
 
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.learned_parts import parts_learned
 from stereo_pick.core.objects.background_files import save_background
 from stereo_pick.core.objects.learned import PAIRS_TO_LEARN, BackgroundLearner
 from stereo_pick.core.params import check_folder
@@ -22,6 +23,7 @@ class BackgroundLearning:
     """
 
     def __init__(self, node: Node, path: Callable[[], Path | None], saved: Callable[[], None]) -> None:
+        self._node = node
         self._path = path
         self._saved = saved
         self._learner: BackgroundLearner | None = None
@@ -46,6 +48,8 @@ class BackgroundLearning:
             self._learner = learner
         else:
             save_background(self._promised, learner.finished())
+            if warning := parts_learned(learner.mean_pair()):
+                self._node.get_logger().warning(warning)
             self._saved()
         return True
 

@@ -67,6 +67,19 @@ def test_what_was_learned_is_no_object(folder: Path, capsys: pytest.CaptureFixtu
     assert after == len(SCENE.solids) < before
 
 
+def test_parts_that_lay_there_while_it_was_learned_are_told_of(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert learn(folder) == 0
+    assert "warning" not in capsys.readouterr().err
+    for side in ("left", "right"):
+        for file in (folder / "empty").glob(f"{side}*.png"):
+            shutil.copy(folder / f"{side}.png", file)
+    assert learn(folder, output="out/full.npz") == 0
+    warning = capsys.readouterr().err
+    assert "in the views that the background was learned from" in warning and "clear the surface" in warning
+
+
 def test_a_background_of_another_calibration_is_one_clear_line(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

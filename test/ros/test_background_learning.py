@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from outlines import PARALLEL, grey_image
+from rendered_solids import PARTS, PLACED, RIG, rectified
+from rendering import Scene
 from ros_tools import Graph
 from std_srvs.srv import Trigger
 
@@ -27,7 +29,11 @@ class Learning:
         self.saved = 0
         self.path = path
         self.services: dict[str, Any] = {}
-        node: Any = SimpleNamespace(create_service=lambda _kind, name, call: self.services.update({name: call}))
+        self.warnings: list[str] = []
+        node: Any = SimpleNamespace(
+            create_service=lambda _kind, name, call: self.services.update({name: call}),
+            get_logger=lambda: SimpleNamespace(warning=self.warnings.append),
+        )
         self.learning = BackgroundLearning(node, lambda: self.path, self._on_saved)
 
     def call(self) -> Trigger.Response:
@@ -62,8 +68,18 @@ def test_the_pairs_after_a_call_are_learned_and_saved(tmp_path: Path) -> None:
     assert not file.exists()
     assert node.learning.takes(pair(PAIRS_TO_LEARN))
     assert load_background(file).pairs == PAIRS_TO_LEARN
-    assert node.saved == 1 and node.learning.progress == ""
+    assert node.saved == 1 and node.learning.progress == "" and not node.warnings
     assert not node.learning.takes(pair(0)), "the next pair is matched again"
+
+
+def test_a_part_that_lies_there_meanwhile_is_warned_of(tmp_path: Path) -> None:
+    node = Learning(tmp_path / "background.npz")
+    node.call()
+    full = rectified(RIG, Scene((PARTS["box"], PARTS["standing"]), PLACED, ambient=0.7))
+    for _ in range(PAIRS_TO_LEARN):
+        node.learning.takes(full)
+    assert node.saved == 1
+    assert len(node.warnings) == 1 and node.warnings[0].startswith("2 objects are in the views")
 
 
 def test_what_cannot_be_saved_is_said_once_and_ends_the_learning(tmp_path: Path) -> None:

@@ -94,12 +94,16 @@ class BackgroundLearner:
 
     def finished(self) -> LearnedBackground:
         """What was learned; raises ImageError from fewer than MIN_PAIRS pairs, or from views that show nothing."""
+        mean = self.mean_pair()
+        check_shows_something("left", mean.left, mean.rig.left)
+        check_shows_something("right", mean.right, mean.rig.right)
+        return LearnedBackground(self._view("left"), self._view("right"), calibration_hash(mean.rig), self.pairs)
+
+    def mean_pair(self) -> RectifiedPair:
+        """What the pairs taken in show on average; raises ImageError where there are too few, as of `finished`."""
         if self._rig is None or self.pairs < MIN_PAIRS:
             raise ImageError(f"{self.pairs} pairs are too few to learn a background from: give at least {MIN_PAIRS}")
-        left, right = self._view("left"), self._view("right")
-        check_shows_something("left", left.mean, self._rig.left)
-        check_shows_something("right", right.mean, self._rig.right)
-        return LearnedBackground(left, right, calibration_hash(self._rig), self.pairs)
+        return RectifiedPair(self._view("left").mean, self._view("right").mean, self._rig)
 
     def _view(self, side: str) -> LearnedView:
         mean = self._sums[side] / self.pairs
