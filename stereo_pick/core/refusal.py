@@ -23,7 +23,6 @@ REASONS = {
     "or what touches it may be more of it",
     "left_only": "no object in the right view fits it",
     "right_only": "no object in the left view fits it",
-    "out_of_range": "it is nearer than min_depth_m, or farther than max_depth_m",
     "ambiguous": "several objects of the other view fit it equally well",
     "no_texture": "its surface has too little texture to be found again by correlation (method ssd)",
     "poor_match": "what correlates best in the right view does not lead back to it, or does not look alike",
@@ -38,6 +37,7 @@ REASONS = {
     "uneven": "the background varies so much that most objects could not be told from it",
     "shaded": "it is dark, no solid explains it and no table is known: its shadow may be a part of its outline",
     "low_confidence": "its position is less sure than min_confidence asks for",
+    "out_of_range": "it is nearer than min_depth_m, or farther than max_depth_m",
 }
 """Every reason for a refusal, and what it means."""
 
