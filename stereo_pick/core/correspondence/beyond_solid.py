@@ -13,6 +13,7 @@ from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.blob import SHARP
 from stereo_pick.core.shapes.creases import crease_points_m
 from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.shapes.kinds import KINDS, Prism
 from stereo_pick.core.shapes.predicted import inside
 from stereo_pick.core.shapes.sight import normalized, seen_px
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -31,9 +32,11 @@ def goes_on_beyond(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
 
 
 def ends_within(blobs: BlobPair, fit: SolidFit, images: Images) -> bool:
-    """Whether the outlines of both views end, sharp, in the middle of the solid's faces: as an angle's do, which a box
-    around it explains but for its notch."""
+    """Whether the outlines of both views end, sharp, in the middle of the solid's flat faces: as an angle's do, which a
+    box around it explains but for its notch. On round ones light ends there as well."""
     rig = images.rig
+    if not isinstance(KINDS[fit.kind], Prism):
+        return False
     sides = zip(blobs, (rig.left, rig.right), fit.silhouettes(rig), rig.eyes_m)
     return all(_share_within(blob, camera, polygon, fit, eye_m) > _MORE for blob, camera, polygon, eye_m in sides)
 

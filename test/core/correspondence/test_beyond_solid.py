@@ -125,3 +125,9 @@ def test_an_angle_ends_within_the_box_around_it_and_its_lit_top_along_its_crease
     for outlines_px, sharpness, ends in ((angle_px, 1.0, True), (angle_px, 0.0, False), (tops_px, 1.0, False)):
         left, right = (Blob(each, 100.0, sharpness=np.full(len(each), sharpness)) for each in outlines_px)
         assert ends_within((left, right), fit, images) is ends
+
+
+def test_light_that_ends_on_a_round_face_is_no_end_of_the_part(images: Images) -> None:
+    lit = [0.6 * (outline - outline.mean(axis=0)) + outline.mean(axis=0) for outline in OUTLINES]
+    left, right = (Blob(each, 100.0, sharpness=np.ones(len(each))) for each in lit)
+    assert not ends_within((left, right), BALL, images)
