@@ -96,11 +96,23 @@ class Pipeline:
         self._rectifier = Rectifier(rig)
 
     def run(self, frame: StereoFrame) -> Result:
-        """Return the poses of one raw pair and all that led to them; raises ImageError on a wrong image size."""
+        """Return the poses of one raw pair and all that led to them.
+
+        Raises ImageError on a wrong image size, and on one image for both cameras.
+        """
+        _check_two_cameras(frame)
         pair = self._rectifier.rectify(frame)
         blobs, correspondences = self.steps.correspond(pair)
         poses = self.positioning.place(self.steps.locate(correspondences, self.rig, frame.stamp_ns), self.rig)
         return Result(pair, blobs, correspondences, poses)
+
+
+def _check_two_cameras(frame: StereoFrame) -> None:
+    if np.array_equal(frame.left, frame.right) and frame.left.min() < frame.left.max():
+        raise ImageError(
+            "left and right image are the same to the last bit, which two cameras never are: one camera's image is "
+            "given for both"
+        )
 
 
 def _none_of(blobs: Blobs, fault: str, detail: str = "") -> Correspondences:

@@ -110,6 +110,13 @@ def test_exchanged_images_give_no_pose_whatever_the_method(name: str, method: Ss
     assert len(poses) == 0 and count_reasons(poses.refused) == {"swapped": 3}
 
 
+def test_one_cameras_image_for_both_is_refused() -> None:
+    frame = frame_of("verged")
+    for ways in (Steps(), Steps(method=Ssd())):
+        with pytest.raises(ImageError, match="the same to the last bit, which two cameras never are"):
+            Pipeline(RIGS["verged"], ways).run(StereoFrame(frame.left, frame.left.copy()))
+
+
 def test_textured_parts_are_found_on_their_surface_by_correlation() -> None:
     scene = Scene(balls((-0.06, -0.02, 0.05), (0.06, 0.02, 0.05), texture=0.4))
     poses = located("parallel", render(RIGS["parallel"], scene), Steps(method=Ssd())).poses
