@@ -23,6 +23,7 @@ _SEAM = 0.75  # of it that shows, in both views: by chance one in ten points lie
 _CUTS = np.array([0.3, 0.5, 0.7])  # of the height: what has a pattern shows edges anywhere
 _HALF = 1
 _CLEAR_PX = 8.0  # of the edge at its end: as far as blur and the search for edges reach, both ways
+_BEFORE = np.sqrt(0.5)  # more before another than beside it
 _ALIKE = 0.1  # of its size, by which an image may differ from what is mirrored, and be off
 
 
@@ -68,7 +69,7 @@ def _as_image(fit: SolidFit, fits: Sequence[SolidFit], up: Floats | None) -> Flo
         apart_m, size_m = float(np.linalg.norm(above_m)), float(fit.size_m.mean())
         ahead = above_m / max(apart_m, 1e-9)
         touch_m = fit.reach_m(ahead) + other.reach_m(-ahead)
-        is_above = float(ahead @ up) > np.cos(ANGLE) if up is not None else float(ahead[2]) < 0
+        is_above = float(ahead @ up) > np.cos(ANGLE) if up is not None else -float(ahead[2]) > _BEFORE
         is_alike = np.abs(np.sort(fit.size_m) - np.sort(other.size_m)).max() < _ALIKE * size_m
         if is_above and is_alike and abs(apart_m - touch_m) < _ALIKE * size_m:
             return np.asarray(above_m)

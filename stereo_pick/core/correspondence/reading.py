@@ -129,9 +129,9 @@ class Reader:
         one, other = _locatable(left), _locatable(right)
         cost = self.similarity.costs(one, other)
         pairs = uncrossed(assign(cost, unmatched_cost=1.0), cost, one, other)
-        cut = [blob for blob in (*left, *right) if blob.fault == "cut_by_border" and not self.is_table_given]
+        cut = [blob for blob in (*left, *right) if blob.fault == "cut_by_border"]
         rows = OpenRows((one, other), self.images.rig, cut, self.similarity)
-        open_ = rows.ambiguous_pairs(pairs, cost, self.ambiguity_margin)
+        open_ = set() if self.is_table_given else rows.ambiguous_pairs(pairs, cost, self.ambiguity_margin)
         doubtful = ambiguous_pairs(pairs, cost, self.ambiguity_margin, open_)
         sure = [(one[i], other[j]) for i, j in pairs if (i, j) not in doubtful]
         return sure, [(one[i], other[j]) for i, j in sorted(doubtful)]
