@@ -23,7 +23,7 @@ _SEAM = 0.75  # of it that shows, in both views: by chance one in ten points lie
 _CUTS = np.array([0.3, 0.5, 0.7])  # of the height: what has a pattern shows edges anywhere
 _HALF = 1
 _CLEAR_PX = 8.0  # of the edge at its end: as far as blur and the search for edges reach, both ways
-_BEFORE = np.sqrt(0.5)  # more before another than beside it
+_BEFORE = 0.5  # of their distance, along the line of sight: cameras look down at the table by 30 degrees or more
 _ALIKE = 0.1  # of its size, by which an image may differ from what is mirrored, and be off
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from rendered_solids import PLACED, RIG
 from rendering import CLEAN, Box, Cylinder, Scene, Solid, Sphere, views_of
+from rendering.rigs import table_before
 
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.pipeline import Pipeline, Steps
@@ -22,10 +23,12 @@ STANDING = {
 }
 
 
-def poses_on_a_mirror(parts: tuple[Solid, ...], reflected: float) -> tuple[Scene, ObjectPoses]:
+def poses_on_a_mirror(
+    parts: tuple[Solid, ...], reflected: float, placed: Transform = PLACED
+) -> tuple[Scene, ObjectPoses]:
     """Of parts and their images, of which the table shows that part of the light."""
-    scene = Scene(parts, PLACED, table_albedo=0.2, ambient=0.7)
-    down = Transform(PLACED.rotation, PLACED.translation - PLACED.rotation[:, 2] * DEEP_M)
+    scene = Scene(parts, placed, table_albedo=0.2, ambient=0.7)
+    down = Transform(placed.rotation, placed.translation - placed.rotation[:, 2] * DEEP_M)
     images = tuple(replace(part, base_m=DEEP_M - part.height_m) for part in parts)
     seen, mirrored = (views_of(RIG, each) for each in (scene, Scene(images, down, table_albedo=0.0, ambient=0.7)))
     random = np.random.default_rng(0)
@@ -48,6 +51,19 @@ def test_the_image_of_a_ball_is_not_surely_another_one() -> None:
     scene, poses = poses_on_a_mirror(parts, 0.3)
     off_m = np.array([np.linalg.norm(scene.positions_m() - xyz, axis=1).min() for xyz in poses.xyz])
     assert (off_m < 1e-3).any(), "the ball itself"
+    assert (poses.confidence[off_m > 1e-3] < 0.5).all()
+
+
+def test_nor_is_it_where_nothing_tells_of_the_table() -> None:
+    """Seen low: each part and its image make up another solid, and these stand on no plane together."""
+    parts = (
+        Cylinder(-0.08, 0.0, (0.04, 0.04, 0.05)),
+        Box(0.0, 0.02, (0.05, 0.036, 0.04), yaw_rad=0.5),
+        Sphere(0.07, 0.0, (0.04,) * 3),
+        Cylinder(0.0, -0.06, (0.03, 0.03, 0.07), yaw_rad=0.3, lying=True),
+    )
+    scene, poses = poses_on_a_mirror(parts, 0.3, table_before(RIG, 0.9, elevation_deg=35))
+    off_m = np.array([np.linalg.norm(scene.positions_m() - xyz, axis=1).min() for xyz in poses.xyz])
     assert (poses.confidence[off_m > 1e-3] < 0.5).all()
 
 
