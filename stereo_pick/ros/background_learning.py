@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from stereo_pick.core.errors import ParameterError
@@ -14,6 +13,7 @@ from stereo_pick.core.learned_parts import parts_learned
 from stereo_pick.core.objects.background_files import save_background
 from stereo_pick.core.objects.learned import PAIRS_TO_LEARN, BackgroundLearner
 from stereo_pick.core.params import check_folder
+from stereo_pick.ros.node import StepNode
 
 
 class BackgroundLearning:
@@ -22,7 +22,7 @@ class BackgroundLearning:
     path: where to, None where nobody said; saved: called when the file is there.
     """
 
-    def __init__(self, node: Node, path: Callable[[], Path | None], saved: Callable[[], None]) -> None:
+    def __init__(self, node: StepNode, path: Callable[[], Path | None], saved: Callable[[], None]) -> None:
         self._node = node
         self._path = path
         self._saved = saved
@@ -48,9 +48,11 @@ class BackgroundLearning:
             self._learner = learner
         else:
             save_background(self._promised, learner.finished())
-            if warning := parts_learned(learner.mean_pair()):
-                self._node.get_logger().warning(warning)
             self._saved()
+            with self._node.abandonable():
+                warning = parts_learned(learner.mean_pair())
+            if warning:
+                self._node.get_logger().warning(warning)
         return True
 
     def _on_call(self, _request: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -33,6 +34,7 @@ class Learning:
         node: Any = SimpleNamespace(
             create_service=lambda _kind, name, call: self.services.update({name: call}),
             get_logger=lambda: SimpleNamespace(warning=self.warnings.append),
+            abandonable=nullcontext,
         )
         self.learning = BackgroundLearning(node, lambda: self.path, self._on_saved)
 

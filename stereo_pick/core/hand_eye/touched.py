@@ -47,7 +47,7 @@ def solve_touched(points: Sequence[TouchedPoint]) -> HandEye:
     fitted = _fit(base, camera)
     misses = _misses_m(fitted, base, camera)
     extent_m, rms_m = _extent_m(base), _rms(misses)
-    outliers, handed = _outliers(points, base, camera), _handed(fitted, base, camera)
+    outliers, handed = _outliers(points, base, camera), _handed(fitted, rms_m, base, camera)
     if rms_m > MAX_MISFIT * extent_m:
         worst = points[int(misses.argmax())].name
         raise CalibrationError(
@@ -65,13 +65,13 @@ def solve_touched(points: Sequence[TouchedPoint]) -> HandEye:
     )
 
 
-def _handed(fitted: Transform, base: Floats, camera: Floats) -> tuple[str, ...]:
+def _handed(fitted: Transform, rms_m: float, base: Floats, camera: Floats) -> tuple[str, ...]:
     """That a mirrored frame fits about as well, as text, as it does points in one plane; nothing if it does not.
 
     Raises CalibrationError where it fits clearly better.
     """
     mirrored = camera * (1, 1, -1)
-    rms_m, mirrored_m = _rms(_misses_m(fitted, base, camera)), _rms(_misses_m(_fit(base, mirrored), base, mirrored))
+    mirrored_m = _rms(_misses_m(_fit(base, mirrored), base, mirrored))
     if rms_m > MIRRORED_TIMES * max(mirrored_m, EXACT_M):
         raise CalibrationError(
             f"the points fit {rms_m * 1000:.1f} mm (rms), and {mirrored_m * 1000:.1f} mm with one frame mirrored: is "
