@@ -17,9 +17,9 @@ import numpy as np
 from formatting import decimals, markdown_table
 
 from stereo_pick.core.arrays import Floats, Image
-from stereo_pick.core.correspondence.dense import disparity_map
-from stereo_pick.core.correspondence.matching import WindowMatching
-from stereo_pick.core.correspondence.sweep import sweep
+from stereo_pick.core.windows.dense import disparity_map
+from stereo_pick.core.windows.matching import WindowMatching
+from stereo_pick.core.windows.sweep import sweep
 
 Matcher = Callable[[Image, Image, tuple[int, int]], Floats]
 _PLAIN_WINDOW_PX = 9

@@ -12,8 +12,8 @@ from mahalanobis import CHI2_3
 from rendering import TrueObject, Truth
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.matches.assignment import assign
 from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.poses import ObjectPoses
 from stereo_pick.core.refusal import count_reasons

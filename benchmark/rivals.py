@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from stereo_pick.core.correspondence import Correspondences, Method
 from stereo_pick.core.correspondence.correspondences import Match, collect
 from stereo_pick.core.correspondence.feature import Feature
-from stereo_pick.core.correspondence.left_over import left_over
 from stereo_pick.core.correspondence.ssd import Ssd
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
+from stereo_pick.core.matches.left_over import left_over
 from stereo_pick.core.objects import Blob, Blobs, Detector
 from stereo_pick.core.params import parameter
 from stereo_pick.core.pipeline import Pipeline, Steps

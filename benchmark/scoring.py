@@ -14,9 +14,9 @@ from rivals import Contender
 from scenes import Scene, TrueObject
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.depth_report import DepthError
 from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.matches.assignment import assign
 from stereo_pick.core.poses import ObjectPoses
 from stereo_pick.core.refusal import count_reasons
 from stereo_pick.core.rig import StereoRig

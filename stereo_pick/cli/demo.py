@@ -17,9 +17,9 @@ from stereo_pick.cli.live_table import Positions
 from stereo_pick.cli.locate import write_picture
 from stereo_pick.cli.run import run_chain
 from stereo_pick.core.configuration import steps
-from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.errors import ParameterError, SourceError
 from stereo_pick.core.frames import StereoFrame
+from stereo_pick.core.matches.assignment import assign
 from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.sources.opening import open_source

@@ -11,9 +11,9 @@ from stereo_pick.core.correspondence.correspondences import collect
 from stereo_pick.core.correspondence.feature import Feature
 from stereo_pick.core.correspondence.levelling import Turn, turn_of
 from stereo_pick.core.correspondence.rig_check import rig_fault
-from stereo_pick.core.correspondence.unseen import unseen
 from stereo_pick.core.errors import ImageError
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
+from stereo_pick.core.matches.unseen import unseen
 from stereo_pick.core.objects import Blobs, Detector
 from stereo_pick.core.poses import ObjectPoses, estimate_poses
 from stereo_pick.core.positioning import Positioning

@@ -15,9 +15,9 @@ from visualization_msgs.msg import Marker
 
 from stereo_pick.core.confidence import within
 from stereo_pick.core.correspondence import Correspondences
-from stereo_pick.core.correspondence.extent import KINDS, Extent
 from stereo_pick.core.errors import ArrayError, CalibrationError, ImageError, StereoPickError
 from stereo_pick.core.images import ImageBuffer, pixels
+from stereo_pick.core.places.extent import KINDS, Extent
 from stereo_pick.core.poses import ObjectPoses
 from stereo_pick.core.refusal import REASONS, Refusal
 from stereo_pick.ros.messages.cameras import camera_info_message, camera_of, content

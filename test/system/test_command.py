@@ -27,10 +27,10 @@ from stereo_pick.cli.main import main
 from stereo_pick.cli.run import Outcome
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.confidence import within
-from stereo_pick.core.correspondence.extent import KINDS
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import ImageBuffer
 from stereo_pick.core.pipeline import Pipeline
+from stereo_pick.core.places.extent import KINDS
 from stereo_pick.core.refusal import REASONS
 
 RIG = load_rig(DEMO_RIG)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stereo_pick.core.arrays import Floats, floats
-from stereo_pick.core.correspondence.extent import Extent
 from stereo_pick.core.errors import ArrayError
+from stereo_pick.core.places.extent import Extent
 from stereo_pick.core.refusal import Refusal
 
 

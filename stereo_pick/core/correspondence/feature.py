@@ -9,34 +9,34 @@ from functools import partial
 import numpy as np
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.correspondence.certainty import by_certainty
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
-from stereo_pick.core.correspondence.extent import extent_of
 from stereo_pick.core.correspondence.found_table import FoundTable
-from stereo_pick.core.correspondence.given_table import misplaced_m
-from stereo_pick.core.correspondence.grain import grained_table
-from stereo_pick.core.correspondence.left_over import Unread
-from stereo_pick.core.correspondence.marks import marks_among, more_marks
 from stereo_pick.core.correspondence.method import Method
-from stereo_pick.core.correspondence.position import BlobPair, Located, Row
-from stereo_pick.core.correspondence.prints import prints_among
 from stereo_pick.core.correspondence.reading import Reader
-from stereo_pick.core.correspondence.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.correspondence.scene import FirstLooks, Scene, scene_on, scene_on_found_table
-from stereo_pick.core.correspondence.shaded_table import shaded_tables
-from stereo_pick.core.correspondence.similarity import Similarity
+from stereo_pick.core.doubts.certainty import by_certainty
+from stereo_pick.core.doubts.prints import prints_among
+from stereo_pick.core.edges.edge_map import USUAL_BLUR_PX
+from stereo_pick.core.edges.hypotheses import Images
 from stereo_pick.core.errors import ArrayError, ParameterError
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.matches.left_over import Unread
+from stereo_pick.core.matches.similarity import Similarity
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.focus import lens_blur_px
 from stereo_pick.core.params import parameter
+from stereo_pick.core.places.extent import extent_of
+from stereo_pick.core.places.position import BlobPair, Located, Row
+from stereo_pick.core.places.reference_point import CHOICES, moved_px, reference_point_m
 from stereo_pick.core.refusal import Refusal
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, common_normal
 from stereo_pick.core.shapes.common_table import common_table, stands_on
-from stereo_pick.core.shapes.edge_map import USUAL_BLUR_PX
-from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.table import FOUND, NONE, Table
+from stereo_pick.core.tables.given_table import misplaced_m
+from stereo_pick.core.tables.grain import grained_table
+from stereo_pick.core.tables.marks import marks_among, more_marks
+from stereo_pick.core.tables.shaded_table import shaded_tables
 
 Pairs = list[tuple[int, int]]
 

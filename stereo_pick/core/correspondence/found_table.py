@@ -6,21 +6,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from stereo_pick.core.correspondence.last_look import LastLook
-from stereo_pick.core.correspondence.located import TOP, convex_outlines, is_flat
-from stereo_pick.core.correspondence.on_table import OnTable, is_sure
-from stereo_pick.core.correspondence.patterned import near_outlines, patterned
-from stereo_pick.core.correspondence.position import BlobPair, Row
+from stereo_pick.core.edges.adjustment import adjusted
+from stereo_pick.core.edges.below_faces import tables_below
+from stereo_pick.core.edges.hypotheses import BODY, Images
+from stereo_pick.core.edges.supported import Supported
+from stereo_pick.core.found_late.last_look import LastLook
+from stereo_pick.core.found_late.patterned import near_outlines, patterned
 from stereo_pick.core.objects import Blobs
+from stereo_pick.core.places.located import TOP, convex_outlines, is_flat
+from stereo_pick.core.places.position import BlobPair, Row
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.adjustment import adjusted
-from stereo_pick.core.shapes.below_faces import tables_below
 from stereo_pick.core.shapes.common_table import common_table, stands_on, supposed_tables
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
-from stereo_pick.core.shapes.hypotheses import BODY, Images
 from stereo_pick.core.shapes.kinds import SPHERE
-from stereo_pick.core.shapes.supported import Supported
 from stereo_pick.core.shapes.table import Table
+from stereo_pick.core.tables.on_table import OnTable, is_sure
 
 _TRIED_PAIRS = 3
 _TRIED_ON_SHADED = 8  # outlines: a table that falls from the light is worth more of a look

@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from stereo_pick.core.correspondence.frontier import stands_up
-from stereo_pick.core.correspondence.left_over import Unread
-from stereo_pick.core.correspondence.overlap import clash
-from stereo_pick.core.correspondence.position import BlobPair, Located, Row
 from stereo_pick.core.correspondence.reading import Reading
+from stereo_pick.core.edges.hypotheses import BODY
+from stereo_pick.core.matches.left_over import Unread
 from stereo_pick.core.objects.beside import are_beside, is_high_light
+from stereo_pick.core.places.frontier import stands_up
+from stereo_pick.core.places.overlap import clash
+from stereo_pick.core.places.position import BlobPair, Located, Row
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.common_table import stands_on, surely_on
-from stereo_pick.core.shapes.hypotheses import BODY
 from stereo_pick.core.shapes.table import Table
 
 _BODIES = ("half_lit", "off_table", "ambiguous")  # reasons that need the outlines of a body, or several alike

@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from stereo_pick.core.correspondence.ambiguity import ambiguous_pairs, uncrossed
-from stereo_pick.core.correspondence.apart import Matching, taken_apart
-from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.found_table import FoundTable, Shaded, TableSearch
-from stereo_pick.core.correspondence.left_over import Unread, left_over
-from stereo_pick.core.correspondence.located import locate
-from stereo_pick.core.correspondence.on_table import OnTable
-from stereo_pick.core.correspondence.out_of_view import OpenRows
-from stereo_pick.core.correspondence.overlap import one_in_each_place
-from stereo_pick.core.correspondence.position import BlobPair, Located, Row
-from stereo_pick.core.correspondence.similarity import Similarity
+from stereo_pick.core.edges.hypotheses import Images
+from stereo_pick.core.matches.ambiguity import ambiguous_pairs, uncrossed
+from stereo_pick.core.matches.assignment import assign
+from stereo_pick.core.matches.left_over import Unread, left_over
+from stereo_pick.core.matches.out_of_view import OpenRows
+from stereo_pick.core.matches.similarity import Similarity
 from stereo_pick.core.objects import Blob, Blobs
-from stereo_pick.core.shapes.hypotheses import Images
+from stereo_pick.core.places.apart import Matching, taken_apart
+from stereo_pick.core.places.located import locate
+from stereo_pick.core.places.overlap import one_in_each_place
+from stereo_pick.core.places.position import BlobPair, Located, Row
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
+from stereo_pick.core.tables.on_table import OnTable
 
 _PLAIN_SIGMA_PX = 0.3  # of a centroid of whole pixels: shading moves its edges along whole arcs
 _FADES = 0.15  # part of the outline, at least, of a ball's lit top that fades; a flat one's does not

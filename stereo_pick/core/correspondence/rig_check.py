@@ -13,8 +13,8 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
-from stereo_pick.core.correspondence.assignment import assign
 from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.matches.assignment import assign
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.rig import StereoRig
 

@@ -6,20 +6,20 @@ from dataclasses import dataclass
 from functools import partial
 
 from stereo_pick.core.correspondence.found_table import FoundTable, Shaded
-from stereo_pick.core.correspondence.last_look import LastLook, may_be_found
-from stereo_pick.core.correspondence.lying_flat import WarpedViews
-from stereo_pick.core.correspondence.one_plane import shows_one_face
 from stereo_pick.core.correspondence.other_polarity import joined
-from stereo_pick.core.correspondence.position import Row
 from stereo_pick.core.correspondence.reading import FirstLook, Reader, Reading
-from stereo_pick.core.correspondence.shaded_foot import refused_in_its_shadow
 from stereo_pick.core.correspondence.together import Together, adjusted_together
+from stereo_pick.core.found_late.last_look import LastLook, may_be_found
+from stereo_pick.core.found_late.shaded_foot import refused_in_its_shadow
 from stereo_pick.core.objects import Blob
+from stereo_pick.core.places.one_plane import shows_one_face
+from stereo_pick.core.places.position import Row
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.common_table import stands_on, supposed_tables, surely_on
 from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.table import Table
+from stereo_pick.core.tables.lying_flat import WarpedViews
 
 _SUPPOSED = 2  # tables that single objects let suppose
 _SEVERAL = 2  # solids on a table that bear it out

@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
 from stereo_pick.core.correspondence.feature import Feature
-from stereo_pick.core.correspondence.left_over import left_over
-from stereo_pick.core.correspondence.matching import Evidence, WindowMatching
 from stereo_pick.core.correspondence.method import Method
-from stereo_pick.core.correspondence.refinement import refine
-from stereo_pick.core.correspondence.texture import predicted_sigma_at
-from stereo_pick.core.correspondence.window import Grey, factor, misfit_along_row, window_at
 from stereo_pick.core.frames import RectifiedPair
+from stereo_pick.core.matches.left_over import left_over
 from stereo_pick.core.noise import noise_dn
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.params import parameter
 from stereo_pick.core.refusal import Refusal
+from stereo_pick.core.windows.matching import Evidence, WindowMatching
+from stereo_pick.core.windows.refinement import refine
+from stereo_pick.core.windows.texture import predicted_sigma_at
+from stereo_pick.core.windows.window import Grey, factor, misfit_along_row, window_at
 
 _MODEL_SIGMA_PX = 0.6  # in each view: a window seen from two sides is not the same picture; see docs/accuracy.md
 _FULL_WINDOW_PX = 3

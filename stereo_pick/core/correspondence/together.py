@@ -7,25 +7,25 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stereo_pick.core.correspondence.clear_of import clear_of
-from stereo_pick.core.correspondence.doubts import placed_surely, seen_in_part
-from stereo_pick.core.correspondence.found_after_all import found_after_all
-from stereo_pick.core.correspondence.last_look import LastLook, Seen
-from stereo_pick.core.correspondence.left_over import Unread
-from stereo_pick.core.correspondence.lying_flat import WarpedViews
-from stereo_pick.core.correspondence.position import Row, may_have_dark_ends, with_dark_ends
 from stereo_pick.core.correspondence.reading import Reader, Reading
-from stereo_pick.core.correspondence.rising_outline import rises_beside
-from stereo_pick.core.correspondence.second_thoughts import CREASED, WELL_SHOWN, is_flat_after_all, reconsidered
-from stereo_pick.core.correspondence.shaded_foot import in_its_shadow
-from stereo_pick.core.correspondence.standing_out import stands_out
-from stereo_pick.core.shapes.adjusted import Adjusted
-from stereo_pick.core.shapes.adjustment import adjusted
+from stereo_pick.core.correspondence.sureness import placed_surely, seen_in_part
+from stereo_pick.core.doubts.rising_outline import rises_beside
+from stereo_pick.core.doubts.second_thoughts import CREASED, WELL_SHOWN, is_flat_after_all, reconsidered
+from stereo_pick.core.doubts.standing_out import stands_out
+from stereo_pick.core.edges.adjusted import Adjusted
+from stereo_pick.core.edges.adjustment import adjusted
+from stereo_pick.core.edges.hypotheses import Images
+from stereo_pick.core.edges.open_end import has_open_end
+from stereo_pick.core.found_late.found_after_all import found_after_all
+from stereo_pick.core.found_late.last_look import LastLook, Seen
+from stereo_pick.core.found_late.shaded_foot import in_its_shadow
+from stereo_pick.core.matches.left_over import Unread
+from stereo_pick.core.places.clear_of import clear_of
+from stereo_pick.core.places.position import Row, may_have_dark_ends, with_dark_ends
 from stereo_pick.core.shapes.common_table import base_m, stands_on
-from stereo_pick.core.shapes.hypotheses import Images
-from stereo_pick.core.shapes.open_end import has_open_end
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.shapes.table import Table
+from stereo_pick.core.tables.lying_flat import WarpedViews
 
 _BY_CHANCE = 0.1  # of a silhouette, with edges clearly beside it
 

@@ -4,7 +4,7 @@ Columns: left_u, left_v, right_u, right_v [rectified px, NaN where unseen]; sigm
 [px]; direction [rad]; length_m, width_m, height_m, qx, qy, qz, qw: the solid that explains the object (NaN where none
 does), in the rectified left frame; xx, xy, xz, yy, yz, zz: what adds to the covariance of the position [m²], in that
 frame; reason: 0 for a match, else the position in `stereo_pick.core.refusal.REASONS`, from
-1; kind: the position in `stereo_pick.core.correspondence.extent.KINDS`, 0 where none explains it.
+1; kind: the position in `stereo_pick.core.places.extent.KINDS`, 0 where none explains it.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from sensor_msgs.msg import PointCloud2
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence import Correspondences
-from stereo_pick.core.correspondence.extent import KINDS, Extent
 from stereo_pick.core.hand_eye.rotations import from_quaternion, to_quaternion
+from stereo_pick.core.places.extent import KINDS, Extent
 from stereo_pick.core.refusal import REASONS, Refusal
 from stereo_pick.ros.messages.tables import TableError, table_message, table_of
 

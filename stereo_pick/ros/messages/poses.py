@@ -8,7 +8,7 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from stereo_pick.core.correspondence.extent import KINDS
+from stereo_pick.core.places.extent import KINDS
 from stereo_pick.core.poses import ObjectPoses
 from stereo_pick.ros.messages.stamps import header
 from stereo_pick.ros.messages.tables import table_message
@@ -32,7 +32,7 @@ _COLUMNS = (
 )
 OBJECT_ROW = np.dtype([*((name, np.float64) for name in _COLUMNS), ("kind", np.uint8)], align=True)
 """Columns of `objects`: metres and radians in the frame of the header, raw pixels, covariance in m²; confidence:
-that of `ObjectPoses`; kind: its place in `stereo_pick.core.correspondence.extent.KINDS`, 0 for an unknown one, whose
+that of `ObjectPoses`; kind: its place in `stereo_pick.core.places.extent.KINDS`, 0 for an unknown one, whose
 height is 0."""
 
 

@@ -14,10 +14,10 @@ from rendering import Cylinder, Scene
 
 from stereo_pick.core.correspondence import found_table
 from stereo_pick.core.correspondence.found_table import TableSearch
-from stereo_pick.core.correspondence.position import Located, Row
+from stereo_pick.core.edges.hypotheses import Images
 from stereo_pick.core.pipeline import Steps
+from stereo_pick.core.places.position import Located, Row
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.hypotheses import Images
 
 NOT_WHAT_OBJECTS_HINT_AT = [("labels", 23, 1), ("labels", 13, 0), ("labels", 13, 1)]
 

@@ -11,9 +11,9 @@ from families import staged
 
 from stereo_pick.core.configuration import steps
 from stereo_pick.core.correspondence.found_table import FoundTable, Shaded
-from stereo_pick.core.correspondence.position import Row
 from stereo_pick.core.correspondence.reading import FirstLook, Reader
 from stereo_pick.core.pipeline import Pipeline
+from stereo_pick.core.places.position import Row
 
 
 def test_a_table_that_nothing_stands_on_is_looked_for_again(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,12 +19,12 @@ from solids_on_table import MIXED, RIG, Standing, part_on_table
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.correspondences import Correspondences, Match, collect
-from stereo_pick.core.correspondence.extent import Extent
 from stereo_pick.core.correspondence.levelling import turn_of
 from stereo_pick.core.correspondence.method import Method
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.pipeline import Pipeline, Result, Steps
+from stereo_pick.core.places.extent import Extent
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.transform import Transform
 

@@ -17,10 +17,10 @@ from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.correspondence.other_polarity import joined
-from stereo_pick.core.correspondence.position import Located, Row
 from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.objects import Detector
 from stereo_pick.core.pipeline import Pipeline, Result, Steps
+from stereo_pick.core.places.position import Located, Row
 from stereo_pick.core.refusal import count_reasons
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.table import Table

@@ -16,13 +16,13 @@ from rendering import Scene as Rendered
 
 from stereo_pick.core.correspondence import scene as scenes
 from stereo_pick.core.correspondence.found_table import FoundTable
-from stereo_pick.core.correspondence.last_look import LastLook
-from stereo_pick.core.correspondence.left_over import Unread
-from stereo_pick.core.correspondence.lying_flat import WarpedViews
-from stereo_pick.core.correspondence.position import Located, Row
 from stereo_pick.core.correspondence.reading import Reading
 from stereo_pick.core.correspondence.scene import Scene
 from stereo_pick.core.correspondence.together import Together
+from stereo_pick.core.found_late.last_look import LastLook
+from stereo_pick.core.matches.left_over import Unread
+from stereo_pick.core.places.position import Located, Row
+from stereo_pick.core.tables.lying_flat import WarpedViews
 
 SEEN = Rendered(tuple(PARTS.values()), PLACED)
 TABLE = table_of(RIG, PLACED)

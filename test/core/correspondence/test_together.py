@@ -17,12 +17,12 @@ from rendering.rigs import BENCH_RIGS, DISTANCES_M, camera, looking_at, table_be
 
 from stereo_pick.core.correspondence import together
 from stereo_pick.core.correspondence.feature import Feature
+from stereo_pick.core.edges.adjusted import Adjusted
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
 from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.poses import ObjectPoses
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.adjusted import Adjusted
 from stereo_pick.core.shapes.table import Table
 
 

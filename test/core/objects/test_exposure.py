@@ -9,8 +9,8 @@ from rendering import Scene, Sensor, balls, render
 from rigs import RIGS, SIZE_PX
 
 from stereo_pick.core.arrays import Floats, Image
-from stereo_pick.core.correspondence.unseen import unseen
 from stereo_pick.core.frames import RectifiedPair, StereoFrame
+from stereo_pick.core.matches.unseen import unseen
 from stereo_pick.core.objects import Blob, Blobs, Detector
 from stereo_pick.core.objects.exposure import with_saturation
 from stereo_pick.core.pipeline import Pipeline, Result, Steps

@@ -12,9 +12,9 @@ from rendering import Scene
 from rigs import RIGS
 
 from stereo_pick.core.arrays import Bools, Floats
+from stereo_pick.core.edges.edge_evidence import edges_seen
+from stereo_pick.core.edges.hypotheses import Images
 from stereo_pick.core.shapes import SolidFit
-from stereo_pick.core.shapes.edge_evidence import edges_seen
-from stereo_pick.core.shapes.hypotheses import Images
 from stereo_pick.core.shapes.occluders import Occluders, share_seen
 
 RIG = RIGS["parallel"]

@@ -1,0 +1,1 @@
+"""Objects found late: what would be refused, looked for once more where the table and the other objects are known."""

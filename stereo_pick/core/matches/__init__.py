@@ -1,0 +1,1 @@
+"""Matches: which object of the left view is which one of the right view."""

@@ -1,0 +1,1 @@
+"""The table that the objects stand on: what shows where it is, and what it says of each of them."""
