@@ -20,6 +20,7 @@ from families import Random
 from family_scoring import WRONG_M
 from formatting import decimals, markdown_table
 from mahalanobis import CHI2_3
+from odd_parts import ODD_PARTS
 from parts import MIXED
 from placing import NoRoomError
 from processes import each, scene_parser
@@ -30,6 +31,7 @@ from stereo_pick.core.configuration import steps
 from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.poses import ObjectPoses
 
+_SHAPES = COMPOSITES | ODD_PARTS
 _KNOWN = 2  # parts of known shapes in each scene
 _GAP_PX = 10.0
 _NEAR_M = 0.005  # beyond a part, within which a pose is taken to be one of it
@@ -90,7 +92,7 @@ def _staged(random: Random, shape: str, light: str) -> tuple[Staged, Floats, flo
     """A scene, and where in the left frame the part of that shape is, and how far it reaches from there."""
     albedo = _PARTS[light]
     rig_name, table = table_of(random, (32, 85))
-    part = COMPOSITES[shape](random, float(random.uniform(*albedo)))
+    part = _SHAPES[shape](random, float(random.uniform(*albedo)))
     bound = table.add(part.bound, _GAP_PX)
     for kind in random.permutation(np.arange(len(MIXED)))[:_KNOWN]:
         table.add(MIXED[kind](random, float(random.uniform(*albedo))), _GAP_PX)
@@ -114,7 +116,7 @@ def _held_against(poses: ObjectPoses, centre_m: Floats, reach_m: float) -> tuple
 
 def _report(jobs: Sequence[Job], scores: Sequence[Scored]) -> str:
     shapes = list(dict.fromkeys(one.shape for one in scores))
-    described = [(shape, (COMPOSITES[shape].__doc__ or "").strip()) for shape in shapes]
+    described = [(shape, (_SHAPES[shape].__doc__ or "").strip()) for shape in shapes]
     tables = [markdown_table(("shape", "what it is"), described, words=True)]
     for light in dict.fromkeys(light for light, _, _ in jobs):
         of_light = [one for job, one in zip(jobs, scores) if job[0] == light]
@@ -153,7 +155,7 @@ def _not_admitted(surprises: Sequence[float]) -> int:
 
 
 def _options() -> argparse.Namespace:
-    parser = scene_parser(__doc__, default=list(COMPOSITES), families=COMPOSITES)
+    parser = scene_parser(__doc__, default=list(_SHAPES), families=_SHAPES)
     parser.add_argument("--parts", nargs="+", choices=list(_PARTS), default=list(_PARTS))
     return parser.parse_args()
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from outlines import PARALLEL
 from rendering import Box, Cylinder, HexPrism, Scene, Solid, Sphere, Tube, hex_prism_size, render_with_truth, table
+from rendering.odd_solids import Cone, Egg, HalfRound, Pyramid, Wedge
 from rendering.view import silhouette_px
 
 from stereo_pick.core.arrays import Floats
@@ -24,11 +25,23 @@ SOLIDS: dict[str, Solid] = {
     "lying prism": HexPrism(0.0, 0.03, hex_prism_size(0.04, 0.07), yaw_rad=2.0, lying=True),
     "sphere": Sphere(0.05, -0.02, (0.05, 0.05, 0.05)),
 }
+ODD: dict[str, Solid] = {
+    "cone": Cone(0.02, 0.01, (0.05, 0.05, 0.06), above=0.5),
+    "cup": Cone(0.02, -0.01, (0.05, 0.05, 0.05), below=0.6, above=1.0),
+    "flat cone": Cone(0.0, 0.0, (0.08, 0.08, 0.02), above=0.2),
+    "pyramid": Pyramid(-0.02, 0.01, (0.06, 0.04, 0.05), yaw_rad=0.4, taper=0.5),
+    "wedge": Wedge(0.03, 0.0, (0.06, 0.04, 0.03), yaw_rad=2.0),
+    "half round": HalfRound(0.0, 0.02, (0.02, 0.04, 0.07), yaw_rad=0.7, lying=True),
+    "egg": Egg(0.01, 0.01, (0.04, 0.03, 0.05), yaw_rad=0.3),
+}
 ASLANT: dict[str, Solid] = {f"{name} aslant": replace(solid, tilt_rad=0.4) for name, solid in SOLIDS.items()}
 _SHIFTS = ((0, 0, 0), (1e-6, 0, 0), (0, 1e-6, 1e-6))
 TABLE_T_LEFT = table().inverse()
 every_solid = pytest.mark.parametrize("solid", SOLIDS.values(), ids=list(SOLIDS))
-every_one = pytest.mark.parametrize("solid", [*SOLIDS.values(), *ASLANT.values()], ids=[*SOLIDS, *ASLANT])
+every_one = pytest.mark.parametrize(
+    "solid", [*SOLIDS.values(), *ASLANT.values(), *ODD.values()], ids=[*SOLIDS, *ASLANT, *ODD]
+)
+every_odd_one = pytest.mark.parametrize("solid", ODD.values(), ids=list(ODD))
 
 
 def rays_at(solid: Solid, count: int = 3000) -> tuple[Floats, Floats]:
@@ -73,6 +86,27 @@ def test_it_stands_on_the_table_and_is_as_large_as_it_says(solid: Solid) -> None
     np.testing.assert_allclose(np.ptp(along, axis=0), solid.extent_m, rtol=0.01)
     np.testing.assert_allclose((hull.max(axis=0) + hull.min(axis=0)) / 2, solid.centre_m, atol=3e-4)
     assert hull[:, 2].max() == pytest.approx(solid.top_m[2])
+
+
+@every_odd_one
+def test_an_odd_one_stands_on_the_table_in_the_box_around_it(solid: Solid) -> None:
+    hull = solid.hull_m()
+    own = (hull - solid.centre_m) @ solid.axes
+    assert hull[:, 2].min() == pytest.approx(0, abs=1e-9)
+    assert hull[:, 2].max() == pytest.approx(solid.top_m[2])
+    corners = (solid.corners_m() - solid.centre_m) @ solid.axes
+    np.testing.assert_allclose(own.max(axis=0), corners.max(axis=0), atol=1e-4)
+    np.testing.assert_allclose(own.min(axis=0), corners.min(axis=0), atol=1e-4)
+    np.testing.assert_allclose(np.ptp(own, axis=0), solid.size_m, rtol=0.01)
+
+
+@every_odd_one
+def test_the_centre_of_an_odd_ones_volume_is_that_of_the_points_within_it(solid: Solid) -> None:
+    """A ray of no length from a point within it is blocked."""
+    random = np.random.default_rng(0)
+    points = solid.centre_m + random.uniform(-1, 1, (400_000, 3)) * solid.radius_m
+    within = points[solid.blocks(points, random.normal(size=points.shape) * 1e-9)]
+    np.testing.assert_allclose(within.mean(axis=0), solid.centre_m, atol=4e-4)
 
 
 @every_solid
