@@ -25,6 +25,7 @@ from stereo_pick.core.windows.window import Grey, factor, misfit_along_row, wind
 
 _MODEL_SIGMA_PX = 0.6  # in each view: a window seen from two sides is not the same picture; see docs/accuracy.md
 _FULL_WINDOW_PX = 3
+_ONE_PLACE_PX = 3  # noise makes more than one minimum of a broad one
 
 
 @dataclass(frozen=True)
@@ -71,13 +72,15 @@ class Ssd(Method, WindowMatching):
         columns = line.columns(here)
         if not columns.any():
             return Refusal("left_only", here, None)
-        sizes = _within_outline(blob, self.sizes_px())
+        sizes, narrowest_px = _within_outline(blob, self.sizes_px()), self.narrowest_window_px
+        if not sizes:
+            return Refusal("no_texture", here, None, f"the narrowest window, {narrowest_px} px, is wider than it")
         refusal = Refusal("no_texture", here, None)
         for window_px in sizes:
             predicted_px = predicted_sigma_at(line.images[0], here, line.noise_dn, window_px, self.cost)
             if predicted_px > self.enough_px(last=window_px == sizes[-1]):
                 continue
-            column_px, evidence = line.look(here, columns, window_px, self.cost)
+            column_px, evidence = line.look(here, columns, window_px, self)
             reason = str(self.judge(evidence)[0])
             if not reason:
                 return np.array([column_px, here[1]]), float(evidence.sigma_px[0])
@@ -101,12 +104,15 @@ class _Line:
         limits_px = float(here_px[0]) - most, float(here_px[0]) - least
         return _region_of_interest(self.right, float(here_px[1]), self.images[1].shape[1], limits_px)
 
-    def look(self, here_px: Floats, columns: Bools, window_px: int, cost: str) -> tuple[float, Evidence]:
+    def look(self, here_px: Floats, columns: Bools, window_px: int, matching: WindowMatching) -> tuple[float, Evidence]:
         """Column of the right view that fits a left point (2,) best, and what speaks for it."""
+        cost = matching.cost
         along = misfit_along_row(*self.images, here_px, window_px, cost)
         best = int(np.where(columns, along, np.inf).argmin())
         elsewhere = columns & (np.abs(np.arange(len(along)) - best) > window_px // 2)
         next_best = float(np.where(elsewhere, along, np.inf).min())
+        if matching.min_uniqueness > 1 and self._repeats(here_px, along, best, window_px, matching):
+            next_best = along[best]
         fit = refine(self.images, here_px[None], np.array([float(best)]), window_px, cost)
         column_px = float(fit.column_px[0])
         least, most = self.disparities_px
@@ -119,6 +125,18 @@ class _Line:
         )
         return column_px, evidence
 
+    def _repeats(self, here_px: Floats, along: Floats, best: int, window_px: int, matching: WindowMatching) -> bool:
+        """Whether the misfits (W,) along a row have another minimum that would be believed, too: at the next period of
+        a print, however much better the best one fits; that may be it, where an outline is refused at the right one."""
+        column = np.arange(len(along))
+        least, most = self.disparities_px
+        elsewhere = (
+            (np.abs(column - best) > _ONE_PLACE_PX) & (column >= here_px[0] - most) & (column <= here_px[0] - least)
+        )
+        variance = float(window_at(self.images[0], here_px, window_px).var())
+        is_alike = along <= (1 - matching.min_similarity) * variance
+        return bool((elsewhere & is_alike & _is_least(along)).any())
+
     def _back(self, there_px: Floats, window_px: int, cost: str) -> float:
         """Left column to which a point (2,) of the right view leads back."""
         views = self.images[1], self.images[0]
@@ -129,10 +147,18 @@ class _Line:
 
 
 def _within_outline(blob: Blob, sizes_px: list[int]) -> list[int]:
-    """The windows around the centroid that show nothing but the object; at least the narrowest."""
+    """The windows around the centroid that show nothing but the object; else the narrowest, if its corners alone show
+    more; what is behind an object has a depth of its own, and texture, perhaps."""
     centre = float(blob.centroid_px[0]), float(blob.centroid_px[1])
     reach_px = cv2.pointPolygonTest(blob.contour_px.astype(np.float32), centre, True)
-    return [size for size in sizes_px if size <= np.sqrt(2) * reach_px] or sizes_px[:1]
+    within = [size for size in sizes_px if size <= np.sqrt(2) * reach_px]
+    return within or [size for size in sizes_px[:1] if size <= 2 * reach_px]
+
+
+def _is_least(along: Floats) -> Bools:
+    """Where values (W,) are no greater than both of their neighbours."""
+    wide = np.pad(along, 1, constant_values=np.inf)
+    return np.asarray((along <= wide[:-2]) & (along <= wide[2:]))
 
 
 def _region_of_interest(blobs: list[Blob], row_px: float, width_px: int, limits_px: tuple[float, float]) -> Bools:

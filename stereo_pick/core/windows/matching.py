@@ -45,7 +45,8 @@ class WindowMatching(Configurable):
     cost: str = parameter(
         "zncc",
         "How windows are compared: by normalised cross-correlation, which forgives a gain and an offset between the "
-        "cameras, or by the plain sum of squared differences (thesis eq. 3.8).",
+        "cameras, or by the plain sum of squared differences (thesis eq. 3.8), which forgives neither: where a part "
+        "has shading only, a difference of a few per cent moves its match, unnoticed.",
         choices=COSTS,
     )
     narrowest_window_px: int = parameter(7, "Width and height of the narrowest window; odd.", low=3, high=101)
@@ -63,7 +64,11 @@ class WindowMatching(Configurable):
         0.5, "Part of the window's own variation that the match must explain.", low=0.0, high=1.0
     )
     min_uniqueness: float = parameter(
-        1.2, "By what factor the next best place on the line must correlate worse.", low=1.0, high=10.0
+        1.2,
+        "By what factor the next best place on the line must correlate worse. Above 1, no other place may be as alike "
+        "as min_similarity either: prints that repeat are refused.",
+        low=1.0,
+        high=10.0,
     )
     left_right_tolerance_px: float = parameter(
         1.0, "How far the match, looked for in the left view, may come out from where it started.", low=0.05, high=10.0

@@ -65,6 +65,40 @@ def test_a_paint_that_repeats_along_the_line_is_ambiguous(noise_dn: float) -> No
     assert len(found) == 0 and reasons(found) == {"ambiguous": 1}
 
 
+def striped(*others_px: tuple[float, float, float]) -> tuple[RectifiedPair, Blobs]:
+    """A disc with a print that repeats and something that does not, at a disparity of 80, and the outlines that the
+    right view has of others."""
+    paint = 120 + 40 * np.cos(2 * np.pi * U / 12) + 4 * pattern(contrast=1.0)(U - 320, V)
+    left = np.where(np.hypot(U - 320, V - 240) < 30, paint, 40.0)
+    rng = np.random.default_rng(4)
+    images = [np.round(each + rng.normal(0, 1.0, U.shape)).astype(np.uint8) for each in (left, np.roll(left, -80, 1))]
+    return RectifiedPair(*images, PARALLEL), seen([disc(320, 240, 30)], [disc(*each) for each in others_px])
+
+
+def test_a_print_that_nearly_repeats_is_ambiguous_where_its_own_outline_is_missing() -> None:
+    """The next part's outline holds another period, which is all alike."""
+    found = Ssd().match(*striped((272, 240, 20)))
+    assert len(found) == 0 and reasons(found) == {"ambiguous": 1}
+
+
+def test_who_asks_for_no_uniqueness_gets_the_best_place() -> None:
+    found = Ssd(min_uniqueness=1.0).match(*striped((240, 240, 30)))
+    assert float(found.right_px[0, 0]) == pytest.approx(240, abs=0.1)
+
+
+def test_a_window_wider_than_the_part_is_not_compared() -> None:
+    """The table behind the part would be, which has a print of its own."""
+    grey = pattern()
+    left = np.where(np.hypot(U - 320, V - 240) < 12, 200.0, grey(U, V))
+    right = np.where(np.hypot(U - 240, V - 240) < 12, 200.0, grey(U + 60, V))
+    pair = RectifiedPair(left.astype(np.uint8), right.astype(np.uint8), PARALLEL)
+    blobs = seen([disc(320, 240, 12)], [disc(240, 240, 12)])
+    found = Ssd(narrowest_window_px=41, widest_window_px=41).match(pair, blobs)
+    assert [(each.reason, each.detail) for each in found.refused] == [
+        ("no_texture", "the narrowest window, 41 px, is wider than it")
+    ]
+
+
 def test_a_part_that_looks_different_from_the_other_side_is_refused() -> None:
     pair, blobs = painted(80.0)
     rng = np.random.default_rng(1)
