@@ -22,7 +22,7 @@ from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.params import Parameter
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status, diagnostics_message, kind
-from stereo_pick.ros.parameters import LiveParameters, Values
+from stereo_pick.ros.parameters import LiveParameters, Values, wrong_type
 from stereo_pick.ros.topics import CLOCK, DIAGNOSTICS, Topic
 
 CALIBRATION_HASH = "calibration_hash"
@@ -45,7 +45,10 @@ class StepNode(Node):
     rig: StereoRig | None = None  # that of the node's last camera_info; its hash goes into the diagnostics
 
     def __init__(self, name: str, context: Context, parameters: Mapping[str, Parameter]) -> None:
-        super().__init__(name, context=context)
+        try:
+            super().__init__(name, context=context)
+        except InvalidParameterTypeException as error:  # of one of those that every ROS node has, named at the end
+            raise wrong_type(str(error).rpartition(": ")[2], bool, error) from None
         self.steady_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._error: StereoPickError | None = None
         self._is_new = self._is_over = False  # the error

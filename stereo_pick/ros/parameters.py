@@ -67,6 +67,11 @@ class LiveParameters:
         }
 
 
+def wrong_type(name: str, kind: type[Value], error: InvalidParameterTypeException) -> ParameterError:
+    """What to raise where a parameter is given a value of another type than its own."""
+    return ParameterError(f"{name} must be of type {kind.__name__} ({_WRITTEN[kind]}): {error}")
+
+
 def descriptor(parameter: Parameter) -> ParameterDescriptor:
     """The ROS descriptor of a declared parameter."""
     text = ParameterDescriptor(
@@ -94,8 +99,7 @@ def _declare(node: Node, name: str, parameter: Parameter) -> Value:
     try:
         value = node.declare_parameter(name, parameter.default, descriptor(parameter)).value
     except InvalidParameterTypeException as error:
-        kind = type(parameter.default)
-        raise ParameterError(f"{name} must be of type {kind.__name__} ({_WRITTEN[kind]}): {error}") from None
+        raise wrong_type(name, type(parameter.default), error) from None
     except InvalidParameterValueException as error:
         raise ParameterError(f"{name} must be within {parameter.range_text()}: {error}") from None
     return parameter.checked(value)

@@ -170,6 +170,8 @@ def test_parameters_of_others_do_not_disturb(hosted: Any) -> None:
         ("capture", "rate:=-1.0", ["rate", "0.01 .. 100"]),
         ("capture", "source:=''", ["source is empty", "give a bag"]),
         ("calibration", "baseline_m:=60.0", ["baseline_m", "0 .. 5", "60"]),
+        ("capture", "use_sim_time:=1", ["use_sim_time must be of type bool (true or false): ", "'1'"]),
+        ("rectification", "start_type_description_service:='no'", ["start_type_description_service must be", "bool"]),
     ],
 )
 def test_a_bad_value_at_the_start_is_refused_with_the_reason(node: str, assignment: str, parts: list[str]) -> None:
