@@ -53,7 +53,7 @@ class StepNode(Node):
         self._error: StereoPickError | None = None
         self._is_new = self._is_over = False  # the error
         self.last_error = ""
-        self._last_logged = (OK, "")
+        self._logged: set[tuple[bytes, str]] = set()
         self._topics: list[str] = []
         self._diagnostics = self.advertise(DIAGNOSTICS)
         self.parameters = LiveParameters(self, parameters, self.configure, self._reconfigure)
@@ -101,7 +101,6 @@ class StepNode(Node):
         status = self.status()
         if self._error is not None and (self._is_new or status.level == OK):
             status = Status(ERROR, str(self._error))
-        self._is_new = False
         if self._is_over:
             self._error = None
         if status.level == OK:
@@ -109,6 +108,9 @@ class StepNode(Node):
         if self.rig is not None:
             status = replace(status, values={**status.values, CALIBRATION_HASH: calibration_hash(self.rig)})
         self._log(status)
+        if self._error is None and not self._is_new:
+            self._logged = {_news(status)}
+        self._is_new = False
         now_ns = self.get_clock().now().nanoseconds
         # /diagnostics is one for all namespaces: names alone would be those of several cells' nodes.
         name = self.get_fully_qualified_name().removeprefix("/")
@@ -175,17 +177,22 @@ class StepNode(Node):
         return guarded
 
     def _log(self, status: Status) -> None:
-        """Log what is new, or worse than it was."""
-        news = (status.level, kind(status.message))
-        if news == self._last_logged:
+        """Log what is new: errors that take turns, as those of both cameras do, are so once, until all goes well."""
+        news = _news(status)
+        if news in self._logged:
             return
-        self._last_logged = news
+        self._logged.add(news)
         if status.level == ERROR:
             self.get_logger().error(status.message)
         elif status.level != OK:
             self.get_logger().warning(status.message)
         elif self.logs_ok:
             self.get_logger().info(status.message)
+
+
+def _news(status: Status) -> tuple[bytes, str]:
+    """What makes a status worth another line in the log."""
+    return status.level, kind(status.message)
 
 
 def _own(qos: QoSProfile) -> QoSProfile:

@@ -257,6 +257,34 @@ def test_rectification_pairs_no_images_whose_stamps_repeat_and_the_next_ones_aga
     cameras.until(cameras.pair, told(graph, "rectification", OK, "pairs rectified"), "it works again")
 
 
+@pytest.mark.parametrize("stamp", [0, START_NS])
+def test_rectification_logs_what_is_wrong_with_the_stamps_of_each_camera_once(
+    graph: Graph, stamp: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Left and right images take turns: there were 60 lines a second."""
+    node = graph.host(RectificationNode(graph.context))
+    lines, cameras = list[str](), Cameras(graph)
+    monkeypatch.setattr(type(node.get_logger()), "error", lambda _, line: lines.append(line))
+
+    def wrong() -> None:
+        cameras.stamp_ns = stamp
+        cameras.pair()
+
+    def of_each_camera() -> list[int]:
+        own = [line for line in lines if "stamp" in line and line.count("/image_raw") == 1]
+        return [sum(line.startswith(f"/{side}/image_raw") for line in own) for side in SIDES]
+
+    well = told(graph, "rectification", OK, "pairs rectified")
+    cameras.until(cameras.pair, well, "it works")
+    cameras.until(wrong, lambda: of_each_camera() == [1, 1], "both are logged")
+    for _ in range(10):
+        wrong()
+        graph.spin(0.05)
+    assert of_each_camera() == [1, 1]
+    cameras.until(cameras.pair, well, "it works again")
+    cameras.until(wrong, lambda: of_each_camera() == [2, 2], "both are logged anew")
+
+
 def test_rectification_names_the_camera_that_has_gone_and_rejoices_when_it_is_back(graph: Graph) -> None:
     graph.host(RectificationNode(graph.context))
     cameras = Cameras(graph)
