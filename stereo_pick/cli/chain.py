@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 
@@ -17,7 +18,9 @@ from stereo_pick.core.params import Value
 from stereo_pick.ros.started_by import ending_with_this_process
 
 DOWNSTREAM = ("triangulation", "correspondence", "rectification")
+_START = "import sys; from stereo_pick.ros.executables import {node}; sys.exit({node}())"
 _STOP_S = 10.0
+_AGAIN_S = 1.0  # a signal that comes while Python itself starts can get lost
 
 
 class Chain:
@@ -34,21 +37,18 @@ class Chain:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        deadline = time.monotonic() + _STOP_S
+        while self.runs and time.monotonic() < deadline:
+            self._interrupt()
         for process in self._processes.values():
             if process.poll() is None:
-                process.send_signal(signal.SIGINT)
-        deadline = time.monotonic() + _STOP_S
-        for process in self._processes.values():
-            try:
-                process.wait(max(0.1, deadline - time.monotonic()))
-            except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
         self._logs.cleanup()
 
     def start(self, node: str, values: Mapping[str, Value], remappings: Sequence[str] = ()) -> None:
         """Start the executable of a node with parameter values; it logs into a file that `log` reads."""
-        command = [sys.executable, "-m", f"stereo_pick.ros.nodes.{node}", "--ros-args"]
+        command = [sys.executable, "-c", _START.format(node=node), "--ros-args"]
         for name, value in values.items():
             command += ["-p", f"{name}:={_yaml(value)}"]
         with self._log_file(node).open("wb") as log:
@@ -80,6 +80,16 @@ class Chain:
             if node != but and self.status(node):
                 last = self.log(node).splitlines()[-1:] or ["no message"]
                 raise SourceError(last[0].removeprefix("stereo-pick: error: "))
+
+    def _interrupt(self) -> None:
+        """Send SIGINT to all that run, and give them a moment to end."""
+        running = [process for process in self._processes.values() if process.poll() is None]
+        for process in running:
+            process.send_signal(signal.SIGINT)
+        deadline = time.monotonic() + _AGAIN_S
+        for process in running:
+            with suppress(subprocess.TimeoutExpired):
+                process.wait(max(0.0, deadline - time.monotonic()))
 
     def _log_file(self, node: str) -> Path:
         return Path(self._logs.name) / f"{node}.log"

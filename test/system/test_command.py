@@ -278,7 +278,7 @@ def processes_in(domain: int) -> list[str]:
             command = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
         except OSError:
             continue
-        if inside and "stereo_pick.ros.nodes" in command and int(entry.name) != os.getpid():
+        if inside and "stereo_pick.ros." in command and int(entry.name) != os.getpid():
             found.append(command)
     return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from pathlib import Path
@@ -11,8 +12,9 @@ import numpy as np
 import pytest
 from rclpy.context import Context
 from recordings import DEMO_BAG, DEMO_RIG, demo_pairs
-from ros_tools import DOWNSTREAM, NODES, System, is_prompt
+from ros_tools import DOWNSTREAM, NODES, System, environment, is_prompt
 
+from stereo_pick.cli.chain import Chain
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.ros.messages.cameras import camera_info_message
@@ -79,6 +81,35 @@ def test_a_signal_ends_what_still_loads(
     child.wait_for_output("loading")
     assert child.end(number)[0] == status
     assert child.output.strip() == "loading"
+
+
+DEAF_ONCE = """
+import signal
+
+install, calls = signal.signal, []
+
+def deaf_once(number, handler):
+    def call(*args):
+        calls.append(number)
+        if len(calls) > 1:
+            handler(*args)
+    install(number, call)
+
+signal.signal = deaf_once
+"""
+
+
+@pytest.mark.parametrize("more", ["", DEAF_ONCE], ids=["a node", "one deaf to the first signal"])
+def test_a_chain_that_is_stopped_while_a_node_still_loads_ends_it_with_status_0(
+    more: str, system: System, tmp_path: Path
+) -> None:
+    """It ended with a traceback, and one to which the only signal was lost held the command up for 10 s."""
+    (tmp_path / "sitecustomize.py").write_text(more + LOADING_FOR_EVER.format(module="rclpy"))
+    path = os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])
+    with Chain(environment(system.domain, PYTHONPATH=path)) as chain:
+        chain.start("triangulation", {})
+        system.graph.wait(lambda: "loading" in chain.log("triangulation"), "it loads")
+    assert chain.status("triangulation") == 0
 
 
 LOOKING_FOR_EVER = """
