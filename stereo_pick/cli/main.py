@@ -35,27 +35,40 @@ def main(argv: Sequence[str] | None = None) -> int:
         status = int(args.run(args))
         print(end="", flush=True)  # what fails later nobody catches
         return status
-    except StereoPickError as error:
+    except (Exception, KeyboardInterrupt) as error:
+        told = 130 if _is_ctrl_c(error) else _told(error)
+        if told is None:
+            raise
+        return told
+
+
+def _is_ctrl_c(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is behind an error: within the import of a C extension it becomes an ImportError."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def _told(error: BaseException) -> int | None:
+    """Say in one line what is wrong, and return the exit status; None of a fault of the program itself."""
+    if isinstance(error, StereoPickError):
         print(f"stereo-pick: error: {error}", file=sys.stderr)
         return 1
-    except ImportError as error:
-        if not _OF_ROS.match(error.name or ""):
-            raise
+    if isinstance(error, ImportError) and _OF_ROS.match(error.name or ""):
         needed = f"ROS 2 for Python {sys.version_info[0]}.{sys.version_info[1]} ({error.msg.partition(chr(10))[0]})"
         remedy = "source its setup.bash, or install the extra `wheels` of this package"
         print(f"stereo-pick: error: this needs {needed}: {remedy}", file=sys.stderr)
         return 1
-    except BrokenPipeError:
+    if isinstance(error, BrokenPipeError):
         sys.stderr.close()
         return 0
-    except OSError as error:
-        if error.errno != errno.ENOSPC:
-            raise
+    if isinstance(error, OSError) and error.errno == errno.ENOSPC:
         print(f"stereo-pick: error: {error.filename or 'standard output'}: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python writes at its end what is left
         return 1
-    except KeyboardInterrupt:
-        return 130
+    return None
 
 
 def _parser() -> argparse.ArgumentParser:

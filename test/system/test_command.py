@@ -416,6 +416,20 @@ def test_without_ros_it_is_asked_for(
     )
 
 
+@pytest.mark.parametrize("name", [None, "_rclpy_pybind11"])
+def test_ctrl_c_while_ros_is_imported_is_no_error(
+    name: str | None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A C extension makes an ImportError of it."""
+
+    def interrupted() -> None:
+        raise ImportError("initialization failed", name=name) from KeyboardInterrupt()
+
+    monkeypatch.setattr("stereo_pick.cli.parameters.nodes", interrupted)
+    assert main(["parameters"]) == 130
+    assert capsys.readouterr().err == ""
+
+
 def test_a_full_disk_is_one_line_and_status_1(tmp_path: Path) -> None:
     """What fits into Python's buffer fails at the very end."""
     board = ("board", "--board", "9x6", "--square", "0.02", "--output", str(tmp_path / "board.svg"))
