@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from rclpy.node import Node
 
 from stereo_pick.core.params import unknown_name
+from stereo_pick.ros.parameters import given_values
 
-_OF_ROS = "qos_overrides."  # named after topics; a node that shares a file with others is given theirs, too
+_OF_ROS = "qos_overrides"  # named after topics: qos_overrides.py
 
 
 def warn_of_misspelled(nodes: Sequence[Node]) -> None:
     """Log each parameter that was given to the nodes at their start, and that no node of this package has."""
-    given = {name: node for node in nodes for name in _given(node) if not name.startswith(_OF_ROS)}
+    given = {name: node for node in nodes for name in given_values(node) if name.split(".")[0] != _OF_ROS}
     unknown = {name: node for name, node in given.items() if not any(each.has_parameter(name) for each in nodes)}
     if not unknown:
         return
@@ -23,8 +24,3 @@ def warn_of_misspelled(nodes: Sequence[Node]) -> None:
     for name, node in unknown.items():
         if name not in known:
             node.get_logger().warning(unknown_name(name, known))
-
-
-def _given(node: Node) -> list[str]:
-    """Names of the values from the command line and from files; rclpy has no public way to ask for them."""
-    return list(getattr(node, "_parameter_overrides", {}))

@@ -28,7 +28,7 @@ from stereo_pick.ros.topics import CLOCK, DIAGNOSTICS, Topic
 CALIBRATION_HASH = "calibration_hash"
 _DIAGNOSTICS_PERIOD_S = 1.0
 _HEARD_S = 2.0  # who was killed never confirms
-_OVERRIDABLE = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
+OVERRIDABLE = (QoSPolicyKind.HISTORY, QoSPolicyKind.DEPTH, QoSPolicyKind.RELIABILITY, QoSPolicyKind.DURABILITY)
 _OF_MANY = (DIAGNOSTICS, CLOCK)  # topics that several nodes may publish, as one clock for all cells
 
 
@@ -154,7 +154,7 @@ class StepNode(Node):
         if topic not in _OF_MANY:
             self._topics.append(name)
         try:
-            yield QoSOverridingOptions(_OVERRIDABLE)
+            yield QoSOverridingOptions(OVERRIDABLE)
         except (RuntimeError, InvalidParameterTypeException) as error:
             raise ParameterError(
                 f"correct the parameters qos_overrides.{name}.{end}.*: reliability is reliable or best_effort, history "

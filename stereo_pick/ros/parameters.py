@@ -95,6 +95,11 @@ def descriptor(parameter: Parameter) -> ParameterDescriptor:
     return text
 
 
+def given_values(node: Node) -> dict[str, object]:
+    """What a node was given at its start, on the command line and in files; rclpy has no public way to ask for it."""
+    return {name: given.value for name, given in getattr(node, "_parameter_overrides", {}).items()}
+
+
 def _declare(node: Node, name: str, parameter: Parameter) -> Value:
     try:
         value = node.declare_parameter(name, parameter.default, descriptor(parameter)).value

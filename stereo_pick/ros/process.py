@@ -19,6 +19,7 @@ from rclpy.utilities import remove_ros_args
 from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.ros.misspelled import warn_of_misspelled
 from stereo_pick.ros.node import StepNode
+from stereo_pick.ros.qos_overrides import warn_of_vain_overrides
 from stereo_pick.ros.shared_memory import PROFILE, PROFILE_VARIABLE, lack_of_shared_memory
 from stereo_pick.ros.started_by import is_orphaned
 from stereo_pick.ros.unread_files import warn_of_unread
@@ -57,6 +58,7 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
         if lack:
             nodes[0].get_logger().warning(lack)
         warn_of_misspelled(nodes)
+        warn_of_vain_overrides(nodes)
         warn_of_unread(nodes, sys.argv if args is None else args)
         _spin(nodes, context, stop)
         return 0

@@ -52,3 +52,9 @@ ANNOTATED = Topic("image_annotated", Image, SENSOR_DATA)
 CALIBRATION_ANNOTATED = Topic("calibration/image_annotated", Image, SENSOR_DATA)
 DIAGNOSTICS = Topic("/diagnostics", DiagnosticArray, RESULTS)
 CLOCK = Topic("/clock", Clock, SENSOR_DATA)
+
+TOPICS = (
+    *(topics[side] for topics in (IMAGE_RAW, CAMERA_INFO, IMAGE_RECT, CAMERA_INFO_RECT) for side in SIDES),
+    *(CORRESPONDENCES, OBJECT_POSES, OBJECTS, OBJECT_MARKERS, ANNOTATED, CALIBRATION_ANNOTATED, DIAGNOSTICS, CLOCK),
+)
+"""All of them."""

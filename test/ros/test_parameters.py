@@ -16,12 +16,15 @@ from ros_tools import Graph, reserved_domain
 from stereo_pick.cli.parameters import nodes as declared_nodes
 from stereo_pick.core.errors import ParameterError
 from stereo_pick.core.params import Parameter
+from stereo_pick.ros.misspelled import warn_of_misspelled
 from stereo_pick.ros.nodes.calibration import CalibrationNode
 from stereo_pick.ros.nodes.capture import CaptureNode
 from stereo_pick.ros.nodes.correspondence import CorrespondenceNode
 from stereo_pick.ros.nodes.rectification import RectificationNode
 from stereo_pick.ros.nodes.triangulation import TriangulationNode
 from stereo_pick.ros.parameters import LiveParameters
+from stereo_pick.ros.qos_overrides import warn_of_vain_overrides
+from stereo_pick.ros.topics import TOPICS
 from stereo_pick.ros.unread_files import is_for, warn_of_unread
 
 DEMO = Path(__file__).parents[2] / "bags" / "demo"
@@ -198,6 +201,61 @@ def test_a_bad_quality_of_service_is_refused_by_its_parameter(value: str) -> Non
         with pytest.raises(ParameterError, match=r"qos_overrides\./left/image_raw\.subscription\.\*: reliability is"):
             RectificationNode(graph.context)
         graph.close()
+
+
+IN_CELL_1 = ["-r", "__ns:=/cell1", "-r", "right/image_raw:=/cam_b/image"]
+
+
+@pytest.mark.parametrize(
+    ("override", "ros_args", "said"),
+    [
+        ("./left/image_raw.subscription.depth:=20", [], ""),
+        ("./cell1/left/image_raw.subscription.depth:=20", IN_CELL_1, ""),
+        ("./cam_b/image.subscription.depth:=20", IN_CELL_1, ""),
+        ("./cell1/object_poses.publisher.depth:=20", IN_CELL_1, ""),  # another node's
+        ("./left/image_raw.publisher.depth:=20", [], ""),  # another node's
+        ("./left/image_raw.subscription.depth:=20", IN_CELL_1, "the topic is /cell1/left/image_raw here"),
+        ("./right/image_raw.subscription.depth:=20", IN_CELL_1, "the topic is /cam_b/image here"),
+        (".left/image_raw.subscription.depth:=20", [], "the topic is /left/image_raw here"),
+        ("./calibration/image_annotated.publisher.depth:=20", IN_CELL_1, "is /cell1/calibration/image_annotated here"),
+        ("./left/imgae_raw.subscription.depth:=20", [], "there is no such topic; did you mean /left/image_raw?"),
+        ("./robot.subscription.depth:=20", [], "qos_overrides./robot changes nothing: there is no such topic"),
+        ("./left/image_raw.subscriber.depth:=20", [], "'subscriber' must be one of: publisher, subscription"),
+        ("./left/image_raw.subscription.dept:=20", [], "'dept' must be one of: history, depth, reliability"),
+        ("./left/image_raw:=20", [], "qos_overrides./left/image_raw = 20 changes nothing: give it as"),
+        (":=3", [], "qos_overrides = 3 changes nothing: give it as qos_overrides.<topic>.publisher|subscription."),
+    ],
+)
+def test_an_override_of_quality_of_service_that_changes_nothing_is_told_of(
+    override: str, ros_args: list[str], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = told_of_overrides(["-p", f"qos_overrides{override}", *ros_args], monkeypatch)
+    assert [said in text for text in told] == ([True] if said else [])
+
+
+def test_a_file_may_name_the_topics_of_several_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    depths = [f"qos_overrides./cell{cell}/left/image_raw.subscription.depth:=20" for cell in (1, 2, 3)]
+    assert not told_of_overrides([*(part for depth in depths for part in ("-p", depth)), *IN_CELL_1], monkeypatch)
+
+
+def told_of_overrides(ros_args: list[str], monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What two nodes in one process log at their start of parameters that change nothing."""
+    told = list[str]()
+    with reserved_domain() as domain:
+        graph = Graph(domain, ros_args)
+        nodes = [make(graph.context) for make in (RectificationNode, TriangulationNode)]
+        monkeypatch.setattr(type(nodes[0].get_logger()), "warning", lambda _, message: told.append(message))
+        warn_of_misspelled(nodes)
+        warn_of_vain_overrides(nodes)
+        for node in nodes:
+            node.destroy_node()
+        graph.close()
+    return told
+
+
+def test_no_topic_is_missing_from_those_that_can_be_overridden(hosted: Any) -> None:
+    given = {name.split(".")[1] for node in hosted[1].values() for name in node._parameters if "qos_overrides" in name}
+    assert given == {f"/{topic.name.removeprefix('/')}" for topic in TOPICS}
 
 
 @pytest.mark.parametrize(
