@@ -11,7 +11,7 @@ from typing import Any
 from rclpy.clock import Clock, ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidParameterTypeException
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSPolicyKind, QoSProfile
@@ -22,7 +22,7 @@ from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.core.params import Parameter
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.ros.messages.diagnostics import ERROR, OK, WARN, Status, diagnostics_message, kind
-from stereo_pick.ros.parameters import LiveParameters, Values, wrong_type
+from stereo_pick.ros.parameters import LiveParameters, Values, descriptor, wrong_type
 from stereo_pick.ros.topics import CLOCK, DIAGNOSTICS, Topic
 
 CALIBRATION_HASH = "calibration_hash"
@@ -153,11 +153,14 @@ class StepNode(Node):
         name = self.resolve_topic_name(topic.name)
         if topic not in _OF_MANY:
             self._topics.append(name)
+        parameters = f"qos_overrides.{name}.{end}"
+        depth = Parameter(f"{parameters}.depth", topic.qos.depth, "How many messages wait.", 1, None, fixed=True)
         try:
+            self.declare_parameter(depth.name, depth.default, descriptor(depth))  # rclpy's own takes 0 and less, too
             yield QoSOverridingOptions(OVERRIDABLE)
-        except (RuntimeError, InvalidParameterTypeException) as error:
+        except (RuntimeError, InvalidParameterTypeException, InvalidParameterValueException) as error:
             raise ParameterError(
-                f"correct the parameters qos_overrides.{name}.{end}.*: reliability is reliable or best_effort, history "
+                f"correct the parameters {parameters}.*: reliability is reliable or best_effort, history "
                 "keep_last or keep_all, durability volatile or transient_local, depth a number from 1: "
                 + " ".join(str(error).split())
             ) from None

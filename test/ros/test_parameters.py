@@ -194,13 +194,14 @@ def _plain(graph: Graph, name: str) -> Any:
     return rclpy.create_node(name, context=graph.context, use_global_arguments=False)
 
 
-@pytest.mark.parametrize("value", ["reliability:=relable", "reliability:=true", "depth:=-3"])
-def test_a_bad_quality_of_service_is_refused_by_its_parameter(value: str) -> None:
+@pytest.mark.parametrize("value", ["reliability:=relable", "reliability:=true", "depth:=-3", "depth:=0", "depth:=2.5"])
+def test_a_bad_quality_of_service_is_refused_by_its_parameter(value: str, capfd: pytest.CaptureFixture[str]) -> None:
     with reserved_domain() as domain:
         graph = Graph(domain, ["-p", f"qos_overrides./left/image_raw.subscription.{value}"])
         with pytest.raises(ParameterError, match=r"qos_overrides\./left/image_raw\.subscription\.\*: reliability is"):
             RectificationNode(graph.context)
         graph.close()
+    assert "rcutils" not in capfd.readouterr().err
 
 
 IN_CELL_1 = ["-r", "__ns:=/cell1", "-r", "right/image_raw:=/cam_b/image"]
