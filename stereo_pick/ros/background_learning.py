@@ -28,6 +28,7 @@ class BackgroundLearning:
         self._saved = saved
         self._learner: BackgroundLearner | None = None
         self._promised = Path()
+        self._warnings: dict[Path, str] = {}  # by the file that was learned
         node.create_service(Trigger, "~/learn_background", self._on_call)
 
     @property
@@ -36,6 +37,12 @@ class BackgroundLearning:
         if self._learner is None:
             return ""
         return f"learning the background: {self._learner.pairs} of {PAIRS_TO_LEARN} pairs; keep the surface empty"
+
+    @property
+    def warning(self) -> str:
+        """What is wrong with the background in use, where it was learned here; empty where nothing is."""
+        path = self._path()
+        return self._warnings.get(path, "") if path is not None else ""
 
     def takes(self, pair: RectifiedPair) -> bool:
         """Whether this pair was for learning; raises StereoPickError where learning it failed, and ends it."""
@@ -50,9 +57,7 @@ class BackgroundLearning:
             save_background(self._promised, learner.finished())
             self._saved()
             with self._node.abandonable():
-                warning = parts_learned(learner.mean_pair())
-            if warning:
-                self._node.get_logger().warning(warning)
+                self._warnings[self._promised] = parts_learned(learner.mean_pair())
         return True
 
     def _on_call(self, _request: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:

@@ -30,10 +30,8 @@ class Learning:
         self.saved = 0
         self.path = path
         self.services: dict[str, Any] = {}
-        self.warnings: list[str] = []
         node: Any = SimpleNamespace(
             create_service=lambda _kind, name, call: self.services.update({name: call}),
-            get_logger=lambda: SimpleNamespace(warning=self.warnings.append),
             abandonable=nullcontext,
         )
         self.learning = BackgroundLearning(node, lambda: self.path, self._on_saved)
@@ -70,18 +68,25 @@ def test_the_pairs_after_a_call_are_learned_and_saved(tmp_path: Path) -> None:
     assert not file.exists()
     assert node.learning.takes(pair(PAIRS_TO_LEARN))
     assert load_background(file).pairs == PAIRS_TO_LEARN
-    assert node.saved == 1 and node.learning.progress == "" and not node.warnings
+    assert node.saved == 1 and node.learning.progress == "" and node.learning.warning == ""
     assert not node.learning.takes(pair(0)), "the next pair is matched again"
 
 
-def test_a_part_that_lies_there_meanwhile_is_warned_of(tmp_path: Path) -> None:
+def test_a_part_that_lies_there_meanwhile_is_warned_of_until_another_background_is_in_use(tmp_path: Path) -> None:
     node = Learning(tmp_path / "background.npz")
     node.call()
     full = rectified(RIG, Scene((PARTS["box"], PARTS["standing"]), PLACED, ambient=0.7))
     for _ in range(PAIRS_TO_LEARN):
         node.learning.takes(full)
     assert node.saved == 1
-    assert len(node.warnings) == 1 and node.warnings[0].startswith("2 objects are in the views")
+    assert node.learning.warning.startswith("2 objects are in the views")
+    for node.path, warned in ((None, False), (tmp_path / "other.npz", False), (tmp_path / "background.npz", True)):
+        assert bool(node.learning.warning) == warned
+    node.call()
+    for count in range(PAIRS_TO_LEARN):
+        assert node.learning.warning, "it is in use until the new one is there"
+        node.learning.takes(pair(count))
+    assert node.learning.warning == ""
 
 
 def test_what_cannot_be_saved_is_said_once_and_ends_the_learning(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ros_tools import Graph, reserved_domain
 from sensor_msgs.msg import CompressedImage
+from std_srvs.srv import Trigger
 
 import stereo_pick.ros.node as node_module
 import stereo_pick.ros.raw_pairs as raw_pairs_module
@@ -551,6 +552,24 @@ def test_correspondence_tells_of_a_camera_that_has_turned_and_matches_all_the_sa
     cameras.until(
         lambda: cameras.pair(demo.left, demo.right, demo.rig), told(graph, "correspondence", OK, "4 objects"), "right"
     )
+
+
+def test_correspondence_tells_of_parts_that_it_learned_as_long_as_that_background_is_in_use(
+    graph: Graph, demo: RectifiedPair, tmp_path: Path
+) -> None:
+    """One line of its log told of them; then all was OK, with 0 objects matched and 0 refused."""
+    graph.host(CorrespondenceNode(graph.context))
+    cameras, file = Cameras(graph, IMAGE_RECT, CAMERA_INFO_RECT), str(tmp_path / "background.npz")
+    assert graph.set_parameter("correspondence", "segmentation.background_file", file).successful
+    assert graph.ask(Trigger, "correspondence/learn_background", Trigger.Request()).success
+
+    def send() -> None:
+        cameras.pairs(left=demo.left, right=demo.right, rig=demo.rig)
+
+    learned = told(graph, "correspondence", WARN, "4 objects are in the views that the background was learned from")
+    cameras.until(send, learned, "parts were learned")
+    assert graph.set_parameter("correspondence", "segmentation.background_file", "").successful
+    cameras.until(send, told(graph, "correspondence", OK, "4 objects matched"), "without that background")
 
 
 def test_correspondence_tells_of_exchanged_images_and_matches_none(graph: Graph, demo: RectifiedPair) -> None:

@@ -59,8 +59,8 @@ class CorrespondenceNode(JoinedNode):
             if fault in refused:
                 level = ERROR if fault in RIG_FAULTS else WARN
                 return Status(level, f"{REASONS[fault]}{remedy}", values)
-        if self._last.notice:
-            return Status(WARN, self._last.notice, values)
+        if warnings := [text for text in (self._last.notice, self._learning.warning) if text]:
+            return Status(WARN, "; ".join(warnings), values)
         return Status(OK, f"{len(self._last)} objects matched, {len(self._last.refused)} refused", values)
 
     def process(self, messages: dict[str, Any], rig: StereoRig) -> None:
