@@ -1,4 +1,4 @@
-"""Parameter files without a section for a node, but with one that was meant for it: ROS says nothing of them."""
+"""Parameter files without a section, or with one that was meant for a node but is not: ROS says nothing of them."""
 
 from __future__ import annotations
 
@@ -17,9 +17,14 @@ _NEAR = 0.8  # difflib's similarity of a name that is misspelled
 
 
 def warn_of_unread(nodes: Sequence[Node], args: Sequence[str]) -> None:
-    """Log each file of the command line `args` that ROS has read, but for another name than that of a node."""
+    """Log each file of the command line `args` that ROS has read, but for another name than that of a node, or none."""
     for path in [Path(value) for option, value in pairwise(args) if option == "--params-file"]:
         sections = _sections(path)
+        if not sections:
+            nodes[0].get_logger().warning(
+                f"{path} has no parameters in it: they stand below the name of a node and {_VALUES}, as in "
+                f"/**/{nodes[0].get_name()}: {{{_VALUES}: {{name: value}}}}"
+            )
         for node in nodes:
             own = node.get_fully_qualified_name()
             meant = None if any(is_for(section, own) for section in sections) else _meant(node.get_name(), sections)

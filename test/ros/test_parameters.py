@@ -22,7 +22,7 @@ from stereo_pick.ros.nodes.capture import CaptureNode
 from stereo_pick.ros.nodes.correspondence import CorrespondenceNode
 from stereo_pick.ros.nodes.rectification import RectificationNode
 from stereo_pick.ros.nodes.triangulation import TriangulationNode
-from stereo_pick.ros.parameters import LiveParameters
+from stereo_pick.ros.parameters import LiveParameters, given_values
 from stereo_pick.ros.qos_overrides import warn_of_vain_overrides
 from stereo_pick.ros.topics import TOPICS
 from stereo_pick.ros.unread_files import is_for, warn_of_unread
@@ -277,16 +277,31 @@ def test_no_topic_is_missing_from_those_that_can_be_overridden(hosted: Any) -> N
 def test_a_file_with_a_section_under_a_wrong_name_is_told_of(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, section: str, meant: str
 ) -> None:
-    file, told = tmp_path / "my.yaml", list[str]()
+    file = tmp_path / "my.yaml"
     file.write_text(yaml.safe_dump({section: {"ros__parameters": {"method": "ssd"}}}))
-    args = ["--ros-args", "-r", "__ns:=/cell1", "--params-file", str(file)]
+    given, told = given_and_told(file, monkeypatch)
+    assert ("method" in given) == is_for(section, "/cell1/correspondence")
+    assert [f"if its section {meant} is meant" in text for text in told] == ([True] if meant else [])
+
+
+@pytest.mark.parametrize("text", ["", "# method: ssd", "hello", "{}"])
+def test_a_file_without_a_section_is_told_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    file = tmp_path / "my.yaml"
+    file.write_text(text)
+    _, told = given_and_told(file, monkeypatch)
+    assert len(told) == 1 and told[0].startswith(f"{file} has no parameters in it: they stand below the name of a node")
+
+
+def given_and_told(file: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[dict[str, object], list[str]]:
+    """Which parameters two nodes in one process, in the namespace cell1, have of a file, and what they log of it."""
+    args, told = ["--ros-args", "-r", "__ns:=/cell1", "--params-file", str(file)], list[str]()
     with reserved_domain() as domain:
         graph = Graph(domain, args[1:])
-        node = rclpy.create_node("correspondence", context=graph.context)
-        monkeypatch.setattr(type(node.get_logger()), "warning", lambda _, message: told.append(message))
-        read = "method" in node._parameter_overrides
-        warn_of_unread([node], args)
-        node.destroy_node()
+        nodes = [rclpy.create_node(name, context=graph.context) for name in ("correspondence", "rectification")]
+        monkeypatch.setattr(type(nodes[0].get_logger()), "warning", lambda _, message: told.append(message))
+        given = given_values(nodes[0])
+        warn_of_unread(nodes, args)
+        for node in nodes:
+            node.destroy_node()
         graph.close()
-    assert read == is_for(section, "/cell1/correspondence")
-    assert [f"if its section {meant} is meant" in text for text in told] == ([True] if meant else [])
+    return given, told
