@@ -44,8 +44,8 @@ def is_for(section: str, node: str) -> bool:
 
 def _sections(path: Path) -> list[str]:
     """The names of the nodes, with their namespaces, that a file is for."""
-    content = yaml.safe_load(path.read_bytes())
-    return list(_named("", content)) if isinstance(content, Mapping) else []
+    contents = yaml.load_all(path.read_bytes(), yaml.BaseLoader)  # as ROS does: all documents, whatever tags they have
+    return [name for content in contents if isinstance(content, Mapping) for name in _named("", content)]
 
 
 def _named(name: str, content: Mapping[Any, Any]) -> Iterator[str]:

@@ -292,6 +292,15 @@ def test_a_file_without_a_section_is_told_of(tmp_path: Path, monkeypatch: pytest
     assert len(told) == 1 and told[0].startswith(f"{file} has no parameters in it: they stand below the name of a node")
 
 
+@pytest.mark.parametrize("text", ["method: !mine ssd", "method: ssd}}\n---\n/**: {ros__parameters: {rate: 2.0"])
+def test_a_file_that_ros_reads_ends_no_node(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+    """Tags, and a second document, ended in a traceback."""
+    file = tmp_path / "my.yaml"
+    file.write_text(f"/**: {{ros__parameters: {{{text}}}}}")
+    given, told = given_and_told(file, monkeypatch)
+    assert "method" in given and not told
+
+
 def given_and_told(file: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[dict[str, object], list[str]]:
     """Which parameters two nodes in one process, in the namespace cell1, have of a file, and what they log of it."""
     args, told = ["--ros-args", "-r", "__ns:=/cell1", "--params-file", str(file)], list[str]()
