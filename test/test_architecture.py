@@ -42,6 +42,7 @@ CORE_LAYERS = (
     "hand_eye",
     "images",
     "pairing",
+    "hanging",
     "frames",
     "rectification",
     "calibration_page",

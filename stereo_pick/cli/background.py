@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from stereo_pick.cli.outputs import keep
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, read_files, source_rig
+from stereo_pick.cli.warning import warn
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.learned_parts import parts_learned
 from stereo_pick.core.objects.background_files import save_background
 from stereo_pick.core.objects.learned import BackgroundLearner
 from stereo_pick.core.rectification import Rectifier
+from stereo_pick.sources.fresh import FreshPairs
 
 _DESCRIPTION = """\
 Learn what the empty work surface looks like, from a bag or a folder of image pairs that show it with nothing on it.
@@ -47,11 +48,12 @@ def run(args: argparse.Namespace) -> int:
     source = opened_source(args)
     keep(read_files(source, args), "--output", args.output, "part of the recording or of the calibration")
     rectifier, learner = Rectifier(source_rig(source, args)), BackgroundLearner()
-    for pair in progress(source, source.count, "pairs"):
+    pairs = FreshPairs(source)
+    for pair in progress(pairs, source.count, "pairs"):
         learner.add(rectifier.rectify(StereoFrame(*pair.images(), pair.stamp_ns)))
+    warn(*pairs.warnings)
     background = learner.finished()
     save_background(args.output, background)
-    if warning := parts_learned(learner.mean_pair()):
-        print(f"stereo-pick: warning: {warning}", file=sys.stderr)
+    warn(parts_learned(learner.mean_pair()))
     print(f"{args.output}: learned from {background.pairs} pairs, for calibration {background.calibration_hash}")
     return 0

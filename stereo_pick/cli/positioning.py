@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
+from stereo_pick.cli.warning import warn
 from stereo_pick.core.calibration.record import FILE_NAME, CalibrationRecord, record_of
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.hand_eye.files import load_hand_eye
@@ -62,5 +62,5 @@ def _record(args: argparse.Namespace, rig: StereoRig) -> CalibrationRecord | Non
     except CalibrationError as error:
         if args.calibration_file is not None:
             raise
-        print(f"stereo-pick: warning: covariance without the calibration's part: {error}", file=sys.stderr)
+        warn(f"covariance without the calibration's part: {error}")
         return None

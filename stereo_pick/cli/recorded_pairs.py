@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from stereo_pick.cli.progress import progress
+from stereo_pick.cli.warning import warn
 from stereo_pick.core.calibration.any_board import Board
 from stereo_pick.core.calibration.collecting import Collector, Pace, timed_pair
 from stereo_pick.core.calibration.detection import BoardImages
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.frames import grey
 from stereo_pick.core.images import FULL_SCALE_16
+from stereo_pick.sources.fresh import FreshPairs
 from stereo_pick.sources.opening import open_source
-from stereo_pick.sources.source import StereoSource
+from stereo_pick.sources.source import SourcePair
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +38,10 @@ def choose_pairs(
     source = open_source(
         path, left_topic=left_topic, right_topic=right_topic, uses_camera_info=False, full_scale_16=full_scale_16
     )
-    collector = Collector(board)
-    for pair in progress(timed_pairs(source), source.count, "pairs"):
+    collector, pairs = Collector(board), FreshPairs(source)
+    for pair in progress(timed_pairs(pairs), source.count, "pairs"):
         collector.look(pair)
+    warn(*pairs.warnings)
     try:
         images = collector.images()
     except CalibrationError as error:
@@ -47,10 +50,10 @@ def choose_pairs(
     return RecordedPairs(images, summary)
 
 
-def timed_pairs(source: StereoSource) -> Iterator[BoardImages]:
+def timed_pairs(pairs: Iterable[SourcePair]) -> Iterator[BoardImages]:
     """The pairs that are worth a look, in grey and named by their time since the first."""
     pace, start_ns = Pace(), None
-    for pair in source:
+    for pair in pairs:
         start_ns = pair.stamp_ns if start_ns is None else start_ns
         if pace.takes(pair.stamp_ns):
             left, right = (grey(image) for image in pair.images())

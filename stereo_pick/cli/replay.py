@@ -15,6 +15,7 @@ from stereo_pick.cli.outputs import keep
 from stereo_pick.cli.positioning import add_positioning_options, positioning_of
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.report import result_mapping
+from stereo_pick.cli.warning import warn
 from stereo_pick.core.calibration.files import load_rig, rig_files
 from stereo_pick.core.configuration import steps
 from stereo_pick.core.errors import CalibrationError, ImageError, ParameterError, SourceError
@@ -22,6 +23,7 @@ from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.pipeline import Pipeline, Result
 from stereo_pick.core.refusal import REASONS
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.sources.fresh import FreshPairs
 from stereo_pick.sources.images import ImageFolder
 from stereo_pick.sources.opening import open_source
 from stereo_pick.sources.source import SourcePair, StereoSource, without_partner
@@ -160,18 +162,19 @@ def _write_lines(lines: TextIO, results: Iterable[tuple[SourcePair, Result]], me
 
 
 def _results(pipeline: Pipeline, source: StereoSource) -> Iterator[tuple[SourcePair, Result]]:
-    """Yield each pair with its result; raises ImageError at the end where no pair fits the calibration."""
-    pairs, located, faults, notice = 0, 0, [], ""
-    for pair in source:
-        pairs += 1
+    """Yield each pair with its result, but those of a camera that hangs.
+
+    Raises ImageError at the end where no pair fits the calibration.
+    """
+    pairs, located, faults, notice = FreshPairs(source), 0, [], ""
+    for pair in pairs:
         pipeline.positioning.check(pipeline.rig, pair.left_frame_id)
         result = pipeline.run(StereoFrame(*pair.images(), pair.stamp_ns))
         located += len(result.poses)
         faults += [fault] if (fault := rig_fault_of(result)) else []
         notice = result.correspondences.notice or notice
         yield pair, result
-    for warning in filter(None, (notice, without_partner(source, pairs))):
-        print(f"stereo-pick: warning: {warning}", file=sys.stderr)
+    warn(notice, without_partner(source, pairs.read), *pairs.warnings)
     if faults and not located:
         remedy = (
             "; exchange --left-topic and --right-topic, or the files" if "swapped" in faults else " Calibrate again"

@@ -18,6 +18,7 @@ from stereo_pick.cli.live_table import LiveTable, Positions
 from stereo_pick.cli.options import add_pipeline_options, pipeline_values
 from stereo_pick.cli.positioning import FILE_PARAMETERS, positioning_files
 from stereo_pick.cli.replay import add_recording_option, add_source_options, opened_source, source_rig
+from stereo_pick.cli.warning import warn
 from stereo_pick.core.configuration import correspondence_groups, triangulation_groups
 from stereo_pick.core.errors import ParameterError, SourceError
 from stereo_pick.core.parameter_groups import declared
@@ -97,8 +98,7 @@ def run(args: argparse.Namespace) -> int:
     pairs = None if args.loop else outcome.pairs
     print(f"{outcome.arrays} pose arrays received" + ("" if pairs is None else f" for {pairs} pairs"))
     if pairs is not None and not outcome.stopped:
-        for warning in filter(None, (without_partner(source, pairs), _lost(outcome, pairs, args.rate))):
-            print(f"stereo-pick: warning: {warning}", file=sys.stderr)
+        warn(without_partner(source, pairs), _lost(outcome, pairs, args.rate))
     return 1 if outcome.errors and outcome.objects == 0 and not outcome.stopped else 0
 
 

@@ -12,6 +12,7 @@ from stereo_pick.cli.outputs import keep
 from stereo_pick.cli.progress import progress
 from stereo_pick.cli.recorded_pairs import timed_pairs
 from stereo_pick.cli.replay import add_reading_options, add_recording_option, opened_source, read_files, source_rig
+from stereo_pick.cli.warning import warn
 from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.collecting import first_view
 from stereo_pick.core.calibration.detection import BoardImages
@@ -20,6 +21,7 @@ from stereo_pick.core.errors import CalibrationError, ParameterError
 from stereo_pick.core.frames import check_size
 from stereo_pick.core.measured_table import MeasuredTable, table_under
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.sources.fresh import FreshPairs
 
 _DESCRIPTION = """\
 Find where the table lies, from a bag or a folder of image pairs that show a calibration board lying flat on it, once or
@@ -62,7 +64,9 @@ def run(args: argparse.Namespace) -> int:
     if args.output is not None:
         keep(read_files(source, args), "--output", args.output, "part of the recording or of the calibration")
     rig = source_rig(source, args)
-    looks = [_look(pair, board, rig) for pair in progress(timed_pairs(source), source.count, "pairs")]
+    pairs = FreshPairs(source)
+    looks = [_look(pair, board, rig) for pair in progress(timed_pairs(pairs), source.count, "pairs")]
+    warn(*pairs.warnings)
     views = [view for view in looks if view is not None]
     if not views:
         raise CalibrationError(

@@ -11,10 +11,10 @@ from sensor_msgs.msg import Image
 
 from stereo_pick.core.arrays import Image as Pixels
 from stereo_pick.core.errors import ImageError
+from stereo_pick.core.hanging import STILL, HangWatch, all_alike, hangs
 from stereo_pick.core.images import FULL_SCALE_16, pixels
 from stereo_pick.core.pairing import MOST_OFFSET_S, Pair, PairingCounts, Side, StampOrder, StampPairer
 from stereo_pick.core.params import Configurable, parameter
-from stereo_pick.ros.frozen import repeated_sides
 from stereo_pick.ros.messages.diagnostics import ERROR, WARN, Status
 from stereo_pick.ros.messages.images import buffer_of
 from stereo_pick.ros.messages.stamps import stamp_ns
@@ -63,8 +63,7 @@ class RawPairs:
         self._since_ns: dict[Side, list[int]] = {side: [] for side in SIDES}  # of each: the other's next two images
         self._order = StampOrder()
         self._faults: dict[str, str] = {}
-        self._before: Pair[Image] | None = None
-        self._still = 0  # pairs that were the same as the one before
+        self._watch = HangWatch()
         self.restart(0.0)
 
     def listen(self) -> None:
@@ -153,13 +152,7 @@ class RawPairs:
 
     def _all_alike(self) -> Status | None:
         """The warning where both cameras send the same images again and again: nobody can tell from when they are."""
-        if self._still < _RECENT:
-            return None
-        return Status(
-            WARN,
-            f"the last {_RECENT} pairs are the same to the last bit: do both cameras hang? Restart them, and their "
-            "driver; a simulation without noise looks like that, too",
-        )
+        return None if self._watch.still < STILL else Status(WARN, all_alike(f"the last {STILL} pairs"))
 
     def _silent(self) -> list[Side]:
         """Both sides where nothing comes any more, or the one that the other has left behind: by two images, since one
@@ -206,14 +199,9 @@ class RawPairs:
 
     def _pass_on(self, pair: Pair[Image]) -> None:
         """Call back with the pair, unless one of its images was taken earlier than the other one."""
-        repeated, self._before = repeated_sides(pair, self._before), pair
-        self._still = self._still + 1 if len(repeated) == len(SIDES) else 0
-        if len(repeated) == 1:
-            topic = self._node.resolve_topic_name(IMAGE_RAW[repeated[0]].name)
-            raise ImageError(
-                f"{topic} repeats the image before to the last bit, while the other camera's changes: does the camera "
-                "hang? Restart it, and its driver"
-            )
+        side = self._watch.hanging(pair.left.data, pair.right.data)
+        if side is not None:
+            raise ImageError(hangs(self._node.resolve_topic_name(IMAGE_RAW[side].name)))
         self._paired(pair)
         self._node.went_well()
 

@@ -74,6 +74,11 @@ class BagSource:
         return (self.path,)
 
     @property
+    def names(self) -> Mapping[Side, str]:
+        """The topics."""
+        return {"left": self.left_topic, "right": self.right_topic}
+
+    @property
     def has_stamps(self) -> bool:
         """True: every image message has one."""
         return True

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from stereo_pick.core.arrays import Image
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import ParameterError, SourceError
 from stereo_pick.core.images import FULL_SCALE_16, encode, read_image
+from stereo_pick.core.pairing import Side
 from stereo_pick.sources.source import SourcePair
 
 _SUFFIXES = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm"}
@@ -66,6 +67,11 @@ class ImageFolder:
     def paths(self) -> tuple[Path, ...]:
         """The image files: others in the folder are none of its business."""
         return tuple(file for pair in self.pairs for file in pair)
+
+    @property
+    def names(self) -> Mapping[Side, str]:
+        """The cameras: each image has a name of its own."""
+        return {"left": "the left camera", "right": "the right camera"}
 
     @property
     def has_stamps(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -10,6 +10,7 @@ from typing import Protocol
 from stereo_pick.core.arrays import Image
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.images import FULL_SCALE_16, ImageBuffer, pixels
+from stereo_pick.core.pairing import Side
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,10 @@ class StereoSource(Protocol):
     @property
     def paths(self) -> tuple[Path, ...]:
         """The files that are read, or the folder of which every file belongs to the recording."""
+
+    @property
+    def names(self) -> Mapping[Side, str]:
+        """What to call the images of each side in messages."""
 
     @property
     def has_stamps(self) -> bool:

@@ -80,6 +80,14 @@ def test_parts_that_lay_there_while_it_was_learned_are_told_of(
     assert "in the views that the background was learned from" in warning and "clear the surface" in warning
 
 
+def test_pairs_of_a_camera_that_hung_are_not_learned_from(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copy(folder / "empty" / "right01.png", folder / "empty" / "right02.png")
+    assert learn(folder) == 0
+    said = capsys.readouterr()
+    assert "warning: 1 of 4 pairs, the first of them number 3, are refused: the right camera repeats" in said.err
+    assert load_background(folder / "out" / "b.npz").pairs == 3
+
+
 def test_a_background_of_another_calibration_is_one_clear_line(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

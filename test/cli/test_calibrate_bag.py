@@ -74,6 +74,16 @@ def test_a_bad_pair_is_named_by_its_time(rendered: Pairs, tmp_path: Path, capsys
     assert "rejected  pair at 0.80 s: " in capsys.readouterr().out
 
 
+def test_pairs_of_a_camera_that_hung_are_not_looked_at(
+    rendered: Pairs, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hung = [(rendered[4][0], right) for _, right in rendered[5:7]]
+    assert run(write_bag(tmp_path / "bag", [*rendered[:5], *hung, *rendered[7:], *rendered[5:7]])) == 0
+    said = capsys.readouterr()
+    assert "10 taken, the board in 10 of 10 that were looked at" in said.out and "10 of 10 used" in said.out
+    assert "2 of 12 pairs, the first of them number 6, are refused: /left/image_raw repeats" in said.err
+
+
 @pytest.mark.parametrize("case", ["no board", "no bag", "one camera", "few"])
 def test_what_gives_no_rig_is_refused(
     case: str, rendered: Pairs, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -59,6 +60,14 @@ def test_the_parameter_is_the_table(folder: Path, capsys: pytest.CaptureFixture[
     assert f'--param feature.table="{text}"' in printed
     under = MIDDLES + THICKNESS_M * TILT[:, 2]  # the board's z axis points into it
     np.testing.assert_allclose(Table.parsed(text).height_m(under @ RIG.left.R.T), 0, atol=5e-4)
+
+
+def test_pairs_of_a_camera_that_hung_are_not_measured_from(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copy(folder / "board" / "left01.png", folder / "board" / "left02.png")
+    assert measure(folder) == 0
+    said = capsys.readouterr()
+    assert "the board in 1 of 2 pairs" in said.out
+    assert "warning: 1 of 3 pairs, the first of them number 3, are refused: the left camera repeats" in said.err
 
 
 @pytest.mark.parametrize("file", ["board/left01.png", "rig/right.yaml"])

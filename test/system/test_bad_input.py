@@ -236,6 +236,22 @@ def test_a_bag_with_a_bad_image_is_replayed_up_to_it(case: str, good: Good, tmp_
     assert len(objects) == 4
 
 
+def test_pairs_of_a_camera_that_hung_are_no_poses_of_replay_but_counted(good: Good, tmp_path: Path) -> None:
+    """Parts that moved on would be located where they never were, and surely; the nodes refuse these pairs, too."""
+    (left, right), (_, moved), (_, on) = good.pairs
+    bag = Recording.of(RIG, (left, right), (left, moved), (left, on), good.pairs[1]).write(tmp_path / "bag")
+    stamps_ns = Recording.of(RIG, *range(4)).stamps_ns()
+    for output in ([], ["--output", tmp_path / "poses.jsonl"]):
+        done = stereo_pick_here("replay", bag, *output)
+        lines = (tmp_path / "poses.jsonl").read_text() if output else done.stdout
+        assert [json.loads(line)["stamp_ns"] for line in lines.splitlines()] == [stamps_ns[0], stamps_ns[3]]
+        assert done.status == 0 and done.stderr.count("\n") == 1
+        the_line(
+            done.stderr, ["warning: 2 of 4 pairs, the first of them number 2, are refused: /left/image_raw repeats"]
+        )
+        the_line(done.stderr, ["to the last bit, while the other camera's changes: does the camera hang? Restart it"])
+
+
 def test_run_tells_what_the_nodes_complain_of_and_ends_with_status_1(
     good: Good, tmp_path: Path, system: System
 ) -> None:
