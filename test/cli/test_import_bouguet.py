@@ -88,6 +88,25 @@ def test_squares_given_in_metres_need_their_unit() -> None:
     assert rig_from_bouguet(in_metres, "m").baseline_m == pytest.approx(0.0998, abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("length", "given", "says"),
+    [
+        (
+            0.0998,
+            "mm",
+            r"baseline = 0\.100 mm is zero: T, of length 0\.0998, is not in mm: give --unit m \(99\.8 mm\)$",
+        ),
+        (9.98, "m", r"baseline = 10\.0 m is longer than 5 m: .*: give --unit cm \(99\.8 mm\)$"),
+        (99.8, "m", r"baseline = 99\.8 m is longer than 5 m: .*: give --unit mm \(99\.8 mm\) or --unit cm \(998 mm\)$"),
+        (1e-6, "mm", "calibrate them as a stereo pair"),
+        (1e7, "m", "the calibration is in millimetres"),
+    ],
+)
+def test_the_unit_that_would_do_is_named(length: float, given: str, says: str) -> None:
+    with pytest.raises(CalibrationError, match=says):
+        rig_from_bouguet(values(T=[[-length], [0.0], [0.0]]), given)
+
+
 def test_a_real_file_becomes_a_calibration_folder(
     shared_data: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -11,9 +11,10 @@ from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.calibration.parameters import transform
 from stereo_pick.core.camera import MAX_SKEW_PX, Camera
 from stereo_pick.core.errors import ArrayError, CalibrationError
-from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.rig import MAX_BASELINE_M, MIN_BASELINE_M, StereoRig
 
 METRES_PER_UNIT = {"mm": 0.001, "cm": 0.01, "m": 1.0}
+_LEAST_M = 0.01  # of the baselines of rigs that see parts in space
 
 
 def rig_from_bouguet(values: Mapping[str, Any], unit: str = "mm") -> StereoRig:
@@ -29,8 +30,9 @@ def rig_from_bouguet(values: Mapping[str, Any], unit: str = "mm") -> StereoRig:
     try:
         width, height = (int(_array(values, name, 1)[0]) for name in ("nx", "ny"))
         left, right = (_camera(values, side, width, height) for side in ("left", "right"))
-        om, shift_m = _array(values, "om", 3), _array(values, "T", 3) * METRES_PER_UNIT[unit]
-        return StereoRig.from_extrinsics(left, right, transform(om, shift_m))
+        om, T = _array(values, "om", 3), _array(values, "T", 3)
+        _check_unit(float(np.linalg.norm(T)), unit)
+        return StereoRig.from_extrinsics(left, right, transform(om, T * METRES_PER_UNIT[unit]))
     except ArrayError as error:
         raise CalibrationError(f"variable {error}") from None
 
@@ -50,6 +52,27 @@ def _check_skew(side: str, alpha: float, aspect: float, height: int) -> None:
             f"alpha_c_{side} = {alpha:g} skews the image by {skew_px:.2f} px at its edge, and camera_info has no skew: "
             "calibrate again with est_alpha = 0"
         )
+
+
+def _check_unit(length: float, unit: str) -> None:
+    """Raise CalibrationError, naming the units that would do, where a T of this length is no baseline in this one."""
+    baseline_m = length * METRES_PER_UNIT[unit]
+    if MIN_BASELINE_M <= baseline_m <= MAX_BASELINE_M:
+        return
+    lengths_m = {other: length * metres for other, metres in METRES_PER_UNIT.items()}
+    others = [
+        f"--unit {other} ({each_m * 1000:.4g} mm)"
+        for other, each_m in lengths_m.items()
+        if _LEAST_M <= each_m <= MAX_BASELINE_M
+    ]
+    if not others:
+        return
+    fault = f"{baseline_m:.1f} m is longer than {MAX_BASELINE_M:g} m"
+    if baseline_m < MIN_BASELINE_M:
+        fault = f"{baseline_m * 1000:.3f} mm is zero"
+    raise CalibrationError(
+        f"baseline = {fault}: T, of length {length:.4g}, is not in {unit}: give {' or '.join(others)}"
+    )
 
 
 def _array(values: Mapping[str, Any], name: str, size: int) -> Floats:
