@@ -35,6 +35,7 @@ CORE_LAYERS = (
     "transform",
     "rays",
     "camera",
+    "lens",
     "sensor_window",
     "rectified_view",
     "rig",

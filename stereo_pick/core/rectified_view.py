@@ -34,7 +34,9 @@ def rectified_view(left: Camera, right: Camera, right_T_left: Transform) -> tupl
     left_R, right_R = rectifying_rotations(right_T_left)
     left_extent, right_extent = _extent(left, left_R), _extent(right, right_R)
     columns = np.array([left_extent[:, 0], right_extent[:, 0]])
-    rows = _common_rows(left_extent[:, 1], right_extent[:, 1])
+    rows = np.array([left_extent[:, 1], right_extent[:, 1]])
+    _check_shared(columns, rows)
+    rows = np.array([rows[:, 0].max(), rows[:, 1].min()])
 
     raw_focal_px = float(np.mean([camera.K[i, i] for camera in (left, right) for i in (0, 1)]))
     fit_width = (min(left.width_px, right.width_px) - 1) / float(np.ptp(columns, axis=1).max())
@@ -80,10 +82,14 @@ def _extent(camera: Camera, R: Floats) -> Floats:
     return bounds
 
 
-def _common_rows(left: Floats, right: Floats) -> Floats:
-    """The rows (2,) that both cameras see; those of the left where they share none."""
-    common = np.array([max(left[0], right[0]), min(left[1], right[1])])
-    return common if common[1] > common[0] else left
+def _check_shared(columns: Floats, rows: Floats) -> None:
+    """Raise CalibrationError where no point before the cameras is in both images, of these normalized bounds (2, 2)."""
+    if rows[:, 0].max() < rows[:, 1].min() and columns[0, 1] > columns[1, 0]:
+        return
+    raise CalibrationError(
+        "the two cameras see nothing in common, at any distance: they look past each other; check order, signs and "
+        "units of R and T, or calibrate again"
+    )
 
 
 @lru_cache(maxsize=8)

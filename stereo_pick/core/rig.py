@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.errors import CalibrationError
+from stereo_pick.core.lens import check_lens
 from stereo_pick.core.rectified_view import rectified_view
 from stereo_pick.core.transform import Transform
 
@@ -18,6 +19,9 @@ MIN_BASELINE_M = 0.001
 MAX_BASELINE_M = 5.0
 _LONG_CM = 50.0  # baselines, in centimetres: longer ones are rather in millimetres
 _SAME = 1e-4  # relative: files round
+_LEAST_COS = np.cos(
+    np.deg2rad(75.0)
+)  # between an optical axis and the view that suits both: nothing would be left of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +62,13 @@ class StereoRig:
     def from_extrinsics(left: Camera, right: Camera, right_T_left: Transform) -> StereoRig:
         """Build from two cameras and `X_right = R X_left + T` [m], with the rectified view that suits them.
 
-        Raises CalibrationError as the class does.
+        Raises CalibrationError as the class does, and where no lens has the intrinsics, or where the cameras cannot
+        look at one scene.
         """
+        check_lens(left)
+        check_lens(right)
         check_baseline(right_T_left)
+        check_beside(right_T_left)
         return StereoRig(*rectified_view(left, right, right_T_left))
 
     @property
@@ -162,6 +170,23 @@ def check_baseline(right_T_left: Transform) -> None:
             "left and right are swapped: exchange them, or calibrate again; or R and T are of the inverse direction: "
             "X_right = R X_left + T is meant"
         )
+
+
+def check_beside(right_T_left: Transform) -> None:
+    """Raise CalibrationError for cameras that no common view suits: one stands where the other one looks, or their
+    backs are turned to each other."""
+    left_T_right = right_T_left.inverse()
+    centre, axes = left_T_right.translation, np.array([[0.0, 0.0, 1.0], left_T_right.rotation[:, 2]])
+    along = centre / np.linalg.norm(centre)
+    across = axes.sum(axis=0) - along * (axes.sum(axis=0) @ along)
+    if (axes @ across).min() > _LEAST_COS * np.linalg.norm(across):
+        return
+    apart_deg = np.rad2deg(np.arccos(np.clip(axes[0] @ axes[1], -1, 1)))
+    raise CalibrationError(
+        "the right camera stands {:.3f} m right of the left one, {:.3f} below and {:.3f} before it, and looks "
+        "{:.0f} deg away from where that looks: they cannot see one scene as a stereo pair does; check order, signs "
+        "and units of R and T, or calibrate again".format(*centre, apart_deg)
+    )
 
 
 def _units(length: float) -> str:

@@ -72,6 +72,11 @@ def test_a_point_projects_as_by_the_toolbox_s_own_formula() -> None:
         (values(alpha_c_left=[[0.01]]), "alpha_c_left = 0.01 skews the image by 2.40 px"),
         (values(fc_right=[[-5.0], [5.0]]), "focal length"),
         (values(T=[[99.8], [0], [0]]), "left and right are swapped"),
+        (values(T=[[-99.8 + 1j], [0], [0]]), "variable 'T' holds complex numbers"),
+        (values(T=[[-5], [0], [99]]), "stands 0.005 m right of the left one, -0.001 below and -0.099 before it"),
+        (values(cc_left=[[5000], [235]]), "left camera: principal point K[0,2], K[1,2] = 5000, 235 px lies 8.2 focal"),
+        (values(kc_right=[[-25], [0], [0], [0], [0]]), "right camera: D = -25, 0, 0, 0, 0 folds the image over"),
+        (values(om=[[0.383], [17.0], [-0.2]]), "om turns by 17.0055, more than half a turn"),
         ({"fc": np.ones((2, 1))}, "is the result of one camera"),
     ],
 )

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rigs import RIGS, camera, looking_at, random_rigs, thesis_cameras
+from rigs import RIGS, camera, looking_at, random_rigs, rotation, thesis_cameras
 
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.rig import StereoRig
@@ -125,6 +125,55 @@ def test_a_baseline_that_may_be_in_centimetres_is_not_called_one_in_millimetres(
 def test_cameras_one_above_the_other_are_no_swapped_ones() -> None:
     for height_m in (-0.2, 0.2):
         assert rig_of((-0.01, height_m, 0.0)).baseline_m == pytest.approx(0.2, rel=0.01)
+
+
+@pytest.mark.parametrize("height_m", [0.0, 0.02])
+@pytest.mark.parametrize("before_m", [-0.1, 0.1])
+def test_a_camera_that_stands_where_the_other_one_looks_is_refused(height_m: float, before_m: float) -> None:
+    with pytest.raises(
+        CalibrationError, match=f"{height_m:.3f} below and {before_m:.3f} before it, and looks 0 deg away"
+    ):
+        rig_of((0.005, height_m, before_m))
+    assert rig_of((0.1, height_m, before_m)).baseline_m > 0.1, "aslant"
+
+
+def test_cameras_exactly_behind_each_other_are_refused() -> None:
+    with pytest.raises(CalibrationError, match="0.000 below and -0.100 before it"):
+        StereoRig.from_extrinsics(camera("left"), camera("right"), Transform(np.eye(3), np.array([0.0, 0.0, 0.1])))
+
+
+def turned_by(turned_deg: float) -> StereoRig:
+    """A rig of two lenses of 53 degrees, each of which is turned towards the other one by half of that."""
+    towards = [rotation((0.0, np.deg2rad(sign * turned_deg / 2), 0.0)) for sign in (-1, 1)]
+    left_T_world, right_T_turned = (Transform(each, np.zeros(3)) for each in towards)
+    right_T_left = right_T_turned @ Transform(np.eye(3), np.array([-0.5, 0.0, 0.0])) @ left_T_world.inverse()
+    return StereoRig.from_extrinsics(camera("left", 640.0), camera("right", 640.0), right_T_left)
+
+
+@pytest.mark.parametrize("turned_deg", [-40, 0, 60, 100, 120])
+def test_cameras_that_see_one_scene_may_be_turned_towards_each_other(turned_deg: float) -> None:
+    """As on both sides of a cell."""
+    assert turned_by(turned_deg).baseline_m == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    ("turned_deg", "complaint"),
+    [
+        (-60, "see nothing in common, at any distance"),
+        (-120, "see nothing in common"),
+        (-170, "looks 170 deg away"),
+        (160, "looks 160 deg away from where that looks: they cannot see one scene"),
+    ],
+)
+def test_cameras_that_look_past_each_other_or_into_each_other_are_refused(turned_deg: float, complaint: str) -> None:
+    with pytest.raises(CalibrationError, match=complaint):
+        turned_by(turned_deg)
+
+
+def test_cameras_whose_views_share_no_row_are_refused() -> None:
+    nodding = Transform(rotation((0.8, 0.0, 0.0)), np.array([-0.1, 0.0, 0.0]))
+    with pytest.raises(CalibrationError, match="the two cameras see nothing in common, at any distance"):
+        StereoRig.from_extrinsics(camera("left"), camera("right"), nodding)
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.99, 1.001])

@@ -14,6 +14,7 @@ from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.rig import MAX_BASELINE_M, MIN_BASELINE_M, StereoRig
 
 METRES_PER_UNIT = {"mm": 0.001, "cm": 0.01, "m": 1.0}
+_SAME_RAD = 1e-6
 _LEAST_M = 0.01  # of the baselines of rigs that see parts in space
 
 
@@ -31,6 +32,7 @@ def rig_from_bouguet(values: Mapping[str, Any], unit: str = "mm") -> StereoRig:
         width, height = (int(_array(values, name, 1)[0]) for name in ("nx", "ny"))
         left, right = (_camera(values, side, width, height) for side in ("left", "right"))
         om, T = _array(values, "om", 3), _array(values, "T", 3)
+        _check_radians(om)
         _check_unit(float(np.linalg.norm(T)), unit)
         return StereoRig.from_extrinsics(left, right, transform(om, T * METRES_PER_UNIT[unit]))
     except ArrayError as error:
@@ -51,6 +53,14 @@ def _check_skew(side: str, alpha: float, aspect: float, height: int) -> None:
         raise CalibrationError(
             f"alpha_c_{side} = {alpha:g} skews the image by {skew_px:.2f} px at its edge, and camera_info has no skew: "
             "calibrate again with est_alpha = 0"
+        )
+
+
+def _check_radians(om: Floats) -> None:
+    turn_rad = float(np.linalg.norm(om))
+    if turn_rad > np.pi + _SAME_RAD:
+        raise CalibrationError(
+            f"om turns by {turn_rad:g}, more than half a turn: it is a rotation vector in radians, not in degrees"
         )
 
 
@@ -78,6 +88,8 @@ def _check_unit(length: float, unit: str) -> None:
 def _array(values: Mapping[str, Any], name: str, size: int) -> Floats:
     if name not in values:
         raise CalibrationError(f"variable {name!r} is missing: is it the toolbox's Calib_Results_stereo.mat?")
+    if np.iscomplexobj(values[name]):
+        raise CalibrationError(f"variable {name!r} holds complex numbers: calibrate again")
     try:
         return floats(name, np.ravel(values[name]).astype(np.float64), size)
     except ArrayError:
