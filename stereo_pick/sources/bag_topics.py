@@ -13,6 +13,8 @@ if TYPE_CHECKING:  # a host that only rectifies needs no bag reader
 
 COMPRESSED_TYPE = "sensor_msgs/msg/CompressedImage"
 _IMAGE_TYPES = ("sensor_msgs/msg/Image", COMPRESSED_TYPE)
+_BOTH = "left_topic and right_topic (--left-topic and --right-topic)"
+_OTHER = {"left": "right", "right": "left"}
 _RIGHT_OF = {"left": "right", "Left": "Right", "LEFT": "RIGHT"}
 _LEFT = re.compile(r"(?<![A-Za-z])(left|Left|LEFT)(?![A-Za-z])")
 
@@ -31,14 +33,22 @@ def choose_topics(topics: Mapping[str, TopicInfo], left: str = "", right: str = 
     )
     if not images:
         raise SourceError(f"no image topic among its topics ({_listed(topics)}): record image_raw of both cameras")
-    for option, name in (("left_topic", left), ("right_topic", right)):
+    given = [("left", left), ("right", right)]
+    for side, name in given:
         if name and name not in images:
-            raise SourceError(f"{option} = {name} is none of its image topics: {_listed(images)}")
+            raise SourceError(f"{_option(side, name)} is none of its image topics: {_listed(images)}")
     if left and left == right:
-        raise SourceError(f"left_topic and right_topic are both {left}: name the two cameras' topics")
+        raise SourceError(f"{_BOTH} are both {left}: name the two cameras' topics")
     if left and right:
         return left, right
-    return _only_one(_candidates(topics, images, left, right), images)
+    partners = _partners(images)
+    for (side, name), of_other in zip(given, (set(partners.values()), set(partners))):
+        if name in of_other:
+            raise SourceError(
+                f"{_option(side, name)} is the {_OTHER[side]} one of {_listed(images)}, by its name: exchange them, or "
+                f"set {_BOTH} if it is the {side} one all the same"
+            )
+    return _only_one(_candidates(topics, partners, left, right), images)
 
 
 def camera_info_topic(image_topic: str) -> str:
@@ -52,18 +62,23 @@ def is_rectified(topic: str) -> bool:
     return "rect" in _uncompressed(topic).rpartition("/")[2]
 
 
-def _candidates(topics: Mapping[str, TopicInfo], images: list[str], left: str, right: str) -> list[tuple[str, str]]:
-    """The best of the left and right topics that belong together and agree with the given ones."""
+def _partners(images: list[str]) -> dict[str, str]:
+    """The right topic of each left one that has one, by their names."""
     partners = {name: _LEFT.sub(lambda match: _RIGHT_OF[match[0]], name) for name in images if _LEFT.search(name)}
-    pairs = [
-        pair for pair in partners.items() if pair[1] in images and left in ("", pair[0]) and right in ("", pair[1])
-    ]
+    return {name: right for name, right in partners.items() if right in images}
+
+
+def _candidates(
+    topics: Mapping[str, TopicInfo], partners: Mapping[str, str], left: str, right: str
+) -> list[tuple[str, str]]:
+    """The best of the left and right topics that belong together and agree with the given ones."""
+    pairs = [pair for pair in partners.items() if left in ("", pair[0]) and right in ("", pair[1])]
     if left or right:
         return pairs
     if pairs and all(is_rectified(name) for name, _ in pairs):
         raise SourceError(
             f"only rectified images ({pairs[0][0]}), but raw ones are needed: record image_raw, "
-            "or set left_topic and right_topic if these are raw all the same"
+            f"or set {_BOTH} if these are raw all the same"
         )
 
     def rank(pair: tuple[str, str]) -> tuple[bool, bool, bool]:
@@ -79,11 +94,16 @@ def _only_one(pairs: list[tuple[str, str]], images: list[str]) -> tuple[str, str
         return pairs[0]
     if pairs:
         choices = ", ".join(f"{left} with {right}" for left, right in pairs)
-        raise SourceError(f"several stereo cameras: {choices}; choose one by left_topic and right_topic")
+        raise SourceError(f"several stereo cameras: {choices}; choose one by {_BOTH}")
     raise SourceError(
         f"no image topics whose names differ in left and right alone, but {_listed(images)}: "
-        "set left_topic and right_topic, or record both cameras"
+        f"set {_BOTH}, or record both cameras"
     )
+
+
+def _option(side: str, name: str) -> str:
+    """The choice of a topic, as a parameter and as an option."""
+    return f"{side}_topic = {name} (--{side}-topic)"
 
 
 def _uncompressed(topic: str) -> str:

@@ -400,10 +400,18 @@ def test_given_topics_are_taken_and_one_suffices(tmp_path: Path) -> None:
             {},
             ["/a/left/image_raw with /a/right/image_raw, /b/left/image_raw with /b/right/image_raw", "left_topic"],
         ),
+        (
+            ["/a/left/image_raw", "/a/right/image_raw", "/b/left/image_raw", "/b/right/image_raw"],
+            {},
+            ["choose one by left_topic and right_topic (--left-topic and --right-topic)"],
+        ),
         ([LEFT, RIGHT], {"left_topic": "/nope"}, ["left_topic = /nope", f"{LEFT}, {RIGHT}"]),
         ([LEFT, RIGHT], {"right_topic": "/nope"}, ["right_topic = /nope", f"{LEFT}, {RIGHT}"]),
         ([LEFT, RIGHT], {"left_topic": LEFT, "right_topic": LEFT}, ["both", LEFT]),
         ([LEFT, RIGHT], {"left_topic": RIGHT}, [f"{LEFT}, {RIGHT}", "set left_topic and right_topic"]),
+        ([LEFT, RIGHT], {"left_topic": RIGHT}, [f"left_topic = {RIGHT} (--left-topic) is the right one", "exchange"]),
+        ([LEFT, RIGHT], {"right_topic": LEFT}, [f"right_topic = {LEFT} (--right-topic) is the left one", "exchange"]),
+        ([LEFT, RIGHT, "/arm"], {"left_topic": "/arm"}, ["no image topics whose names differ", "--right-topic"]),
     ],
 )
 def test_a_choice_that_is_not_clear_is_refused(
