@@ -32,10 +32,17 @@ def generate_launch_description() -> LaunchDescription:
     return LaunchDescription([*declared, OpaqueFunction(function=_nodes)])
 
 
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise ValueError(f"{name}:={text} of the launch file: {error}: give metres or seconds, as 0.020") from None
+
+
 def _nodes(context) -> list[Node]:
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     # Typed here: on the command line 1 would become an integer, which a parameter of type double refuses.
-    numbers = {name: float(value[name]) for name in ("square_m", "baseline_m", "max_stamp_offset_s")}
+    numbers = {name: _number(name, value[name]) for name in ("square_m", "baseline_m", "max_stamp_offset_s")}
     return [
         Node(
             package="stereo_pick",

@@ -15,7 +15,11 @@ from launch_ros.substitutions import FindPackageShare
 
 ARGUMENTS = {
     "source": ("", "a bag or a folder of image pairs to replay; empty starts no capture node: a driver publishes"),
-    "calibration": ("", "folder with left.yaml and right.yaml; empty takes that of params_file, or the bag's"),
+    "calibration": (
+        "",
+        "folder with left.yaml and right.yaml; empty takes that of params_file, or the bag's. Without a source, only "
+        "the calibration.yaml in it is read",
+    ),
     "calibration_file": ("", "calibration.yaml with uncertainties; empty takes that of the folder `calibration`"),
     "hand_eye_file": ("", "file of stereo-pick hand-eye; poses are then in the robot's frame"),
     "method": ("", "how objects are found again in the right view: feature or ssd; empty takes that of params_file"),
@@ -58,6 +62,21 @@ def _typed(name: str, text: str, kind: Callable[[str], object]) -> object:
         raise ValueError(f"{name}:={text} of the launch file: {error}") from None
 
 
+def _check_used(value: dict[str, str], record: str) -> None:
+    """Raise ValueError for what the capture node alone reads, where none is started.
+
+    record: the calibration.yaml that is found in the folder `calibration`, which triangulation reads without it, too.
+    """
+    unused = [f"{name}:={value[name]}" for name in ("rate", "loop") if value[name]]
+    if value["calibration"] and (value["calibration_file"] or not record):
+        unused.append(f"calibration:={value['calibration']}")
+    if unused and not value["source"]:
+        raise ValueError(
+            f"{' '.join(unused)} of the launch file would change nothing without a source: give source:=..., or leave "
+            "it out, as the camera drivers publish images and camera_info of their own"
+        )
+
+
 def _nodes(context) -> list[Node]:
     value = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
 
@@ -69,7 +88,10 @@ def _nodes(context) -> list[Node]:
     capture = given(source=str, calibration=str, rate=float, loop=_is_true)
     correspondence = given(method=str)
 
-    value["calibration_file"] = value["calibration_file"] or _record_of(value["calibration"])
+    record, one_process = _record_of(value["calibration"]), bool(given(one_process=_is_true).get("one_process"))
+    if not one_process:
+        _check_used(value, record)
+    value["calibration_file"] = value["calibration_file"] or record
     triangulation = given(calibration_file=str, hand_eye_file=str)
 
     def node(name: str, **parameters: object) -> Node:
@@ -82,7 +104,7 @@ def _nodes(context) -> list[Node]:
             parameters=[value["params_file"], *([own] if (own := {**common, **parameters}) else [])],
         )
 
-    if given(one_process=_is_true).get("one_process"):
+    if one_process:
         return [node("stereo_pick", **capture, **correspondence, **triangulation)]
     nodes = [node("triangulation", **triangulation), node("correspondence", **correspondence), node("rectification")]
     return [*nodes, node("capture", **capture)] if value["source"] else nodes

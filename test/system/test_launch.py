@@ -9,6 +9,7 @@ import shutil
 import signal
 import sys
 from configparser import ConfigParser
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -63,7 +64,7 @@ def test_every_node_that_it_starts_is_installed() -> None:
     assert (ROOT / "config" / "stereo_pick.yaml").is_file()
 
 
-def _launched(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> dict[str, dict[str, object]]:
+def _launched(monkeypatch: pytest.MonkeyPatch, file: Path = LAUNCH, **arguments: str) -> dict[str, dict[str, object]]:
     """By executable what its node is given beyond params_file, by as much of ROS's launch as the file needs."""
 
     class Stub:
@@ -73,7 +74,8 @@ def _launched(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> dict[str, di
         def perform(self, context: dict[str, str]) -> str:
             return context[self.args[0]]
 
-    names = [node.names for node in TREE.body if isinstance(node, ast.ImportFrom) and "launch" in str(node.module)]
+    tree = ast.parse(file.read_text())
+    names = [node.names for node in tree.body if isinstance(node, ast.ImportFrom) and "launch" in str(node.module)]
     content = dict.fromkeys((name.name for each in names for name in each), Stub)
     for module in (
         "launch",
@@ -83,10 +85,11 @@ def _launched(monkeypatch: pytest.MonkeyPatch, **arguments: str) -> dict[str, di
         "launch_ros.substitutions",
     ):
         monkeypatch.setitem(sys.modules, module, SimpleNamespace(**content))
-    launch = runpy.run_path(str(LAUNCH))
+    launch = runpy.run_path(str(file))
     context = {name: default for name, (default, _) in launch["ARGUMENTS"].items()} | arguments
     nodes = [node.more for node in launch["_nodes"](context)]
-    return {node["executable"]: {k: v for own in node["parameters"][1:] for k, v in own.items()} for node in nodes}
+    own = {node["executable"]: [each for each in node["parameters"] if isinstance(each, dict)] for node in nodes}
+    return {name: {k: v for each in parameters for k, v in each.items()} for name, parameters in own.items()}
 
 
 def test_what_is_not_given_is_left_to_params_file(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,6 +104,30 @@ def test_what_is_not_given_is_left_to_params_file(monkeypatch: pytest.MonkeyPatc
         _launched(monkeypatch, source="my_bag", loop="yes")
     with pytest.raises(ValueError, match="rate:=fast of the launch file: "):
         _launched(monkeypatch, source="my_bag", rate="fast")
+
+
+@pytest.mark.parametrize("unused", [{"calibration": "my_rig"}, {"rate": "0.5"}, {"loop": "true"}])
+def test_what_is_of_no_use_without_a_source_is_said(unused: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    ((name, value),) = unused.items()
+    with pytest.raises(ValueError, match=f"^{name}:={value} of the launch file would change nothing without a source"):
+        _launched(monkeypatch, **unused)
+    assert _launched(monkeypatch, source="my_bag", **unused)["capture_node"][name]
+    assert _launched(monkeypatch, one_process="true", **unused)["stereo_pick_node"][name], "params_file may name one"
+
+
+def test_beside_a_driver_a_calibration_gives_its_uncertainty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "calibration.yaml").touch()
+    launched = _launched(monkeypatch, calibration=str(tmp_path))
+    assert launched["triangulation_node"] == {"calibration_file": str(tmp_path / "calibration.yaml")}
+    with pytest.raises(ValueError, match="^calibration:=.* would change nothing without a source"):
+        _launched(monkeypatch, calibration=str(tmp_path), calibration_file="other.yaml")
+
+
+def test_a_number_that_is_none_is_named_for_the_calibration_node(monkeypatch: pytest.MonkeyPatch) -> None:
+    file = ROOT / "launch" / "calibration.launch.py"
+    assert _launched(monkeypatch, file, board="9x6", square_m="1")["calibration_node"]["square_m"] == 1.0
+    with pytest.raises(ValueError, match="square_m:=20mm of the launch file: .*'20mm': give metres or seconds"):
+        _launched(monkeypatch, file, board="9x6", square_m="20mm")
 
 
 def test_the_calibration_node_is_launched_with_its_own_defaults() -> None:
