@@ -171,9 +171,14 @@ def _rows(buffer: ImageBuffer, encoding: _Encoding, what: str) -> Image:
     return data[: step * height].reshape(height, step)[:, :row_bytes]
 
 
+def check_full_scale(full_scale_16: int) -> None:
+    """Raise ParameterError for what is no value of 16 bits, or 0."""
+    if not 0 < full_scale_16 <= FULL_SCALE_16:
+        raise ParameterError(f"full_scale_16 = {full_scale_16} is outside its range 1 .. {FULL_SCALE_16}")
+
+
 def _shallow(deep: NDArray[np.uint16], full_scale: int) -> Image:
-    if not 0 < full_scale <= FULL_SCALE_16:
-        raise ParameterError(f"full_scale_16 = {full_scale} is outside its range 1 .. 65535")
+    check_full_scale(full_scale)
     return frozen(np.asarray(cv2.convertScaleAbs(deep, alpha=255 / full_scale), np.uint8))
 
 
