@@ -19,9 +19,7 @@ MIN_BASELINE_M = 0.001
 MAX_BASELINE_M = 5.0
 _LONG_CM = 50.0  # baselines, in centimetres: longer ones are rather in millimetres
 _SAME = 1e-4  # relative: files round
-_LEAST_COS = np.cos(
-    np.deg2rad(75.0)
-)  # between an optical axis and the view that suits both: nothing would be left of it
+_MOST_ASIDE_DEG = 75.0  # from an optical axis to the view that suits both: beyond, nothing is left of the image
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +177,7 @@ def check_beside(right_T_left: Transform) -> None:
     centre, axes = left_T_right.translation, np.array([[0.0, 0.0, 1.0], left_T_right.rotation[:, 2]])
     along = centre / np.linalg.norm(centre)
     across = axes.sum(axis=0) - along * (axes.sum(axis=0) @ along)
-    if (axes @ across).min() > _LEAST_COS * np.linalg.norm(across):
+    if (axes @ across).min() > np.cos(np.deg2rad(_MOST_ASIDE_DEG)) * np.linalg.norm(across):
         return
     apart_deg = np.rad2deg(np.arccos(np.clip(axes[0] @ axes[1], -1, 1)))
     raise CalibrationError(
