@@ -128,17 +128,25 @@ class AdjustedBackground:
 
 
 def adjusted(learned: LearnedView, view: View, camera: Camera) -> AdjustedBackground:
-    """The learned surface with the gain and the offset that this view's light asks for; what lies on it are outliers,
-    as long as it covers less than about two fifths of the view."""
+    """The learned surface with the offset and the gain, one that changes evenly across the view, that this view's light
+    asks for; what lies on it are outliers, as long as it covers less than about two fifths of the view; much less where
+    a lamp was moved."""
     mean, looseness = _prepared(learned, camera, view.reduction)
     stride_px = grid_stride_px(mean.shape)
     grid = np.s_[::stride_px, ::stride_px]
     inside = view.inside[grid]
     grey, known = (picture[grid][inside].astype(np.float64) for picture in (view.smooth, mean))
-    terms = np.stack([np.ones_like(known), known], axis=1)
-    light = refined(_light(known, grey), terms, grey)
-    level = np.float32(light[0]) + np.float32(light[1]) * mean
+    terms = np.stack([each[grid][inside] for each in _terms(mean)], axis=1).astype(np.float64)
+    light = refined(np.append(_light(known, grey), [0.0, 0.0]), terms, grey)
+    level = np.sum([part * each for part, each in zip(light.astype(np.float32), _terms(mean))], axis=0)
     return AdjustedBackground(level, looseness, spread(grey - terms @ light))
+
+
+def _terms(mean: NDArray[np.float32]) -> list[NDArray[np.float32]]:
+    """What the light on a surface (h, w) multiplies: an offset, a gain, and by how much that grows right and down."""
+    height, width = mean.shape
+    right, down = np.linspace(-1, 1, width, dtype=np.float32), np.linspace(-1, 1, height, dtype=np.float32)
+    return [np.ones_like(mean), mean, mean * right, mean * down[:, None]]
 
 
 def _light(known: Floats, grey: Floats) -> Floats:

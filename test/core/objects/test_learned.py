@@ -80,13 +80,26 @@ def test_a_file_holds_all_of_it(file: Path) -> None:
 @pytest.mark.parametrize("covered", [False, True])
 @pytest.mark.parametrize(("gain", "offset"), [(1.0, 0.0), (0.6, 20.0), (1.5, -10.0)])
 def test_it_follows_the_light_whatever_lies_on_it(gain: float, offset: float, covered: bool) -> None:
-    learned, light = learned_from_printed(), gain * printed() + offset
+    shown = gain * printed() + offset
+    follows_the_light(shown, np.s_[100:400, 60:440] if covered else None)
+
+
+@pytest.mark.parametrize("covered", [False, True])
+@pytest.mark.parametrize(("gain", "offset"), [(1.0, 0.0), (0.6, 20.0), (0.9, -10.0)])
+def test_it_follows_a_lamp_that_was_moved(gain: float, offset: float, covered: bool) -> None:
+    """It is nearer to the right border then, where all is more than twice as bright as at the left one."""
+    slope = 1 + 0.4 * np.linspace(-1, 1, SIZE_PX[0])
+    follows_the_light(gain * slope * printed() + offset, np.s_[100:250, 60:340] if covered else None)
+
+
+def follows_the_light(light: Floats, covered: tuple[slice, slice] | None) -> None:
+    """Assert that the learned surface is found in this light, though something bright covers a part of it."""
     shown = light.copy()
     if covered:
-        shown[100:400, 60:440] = 230.0
+        shown[covered] = 230.0
     image = grey_image(shown, noise_dn=1.0, seed=99)
     camera = PARALLEL.left
-    found = adjusted_to(learned.left, View.of(image, camera), camera)
+    found = adjusted_to(learned_from_printed().left, View.of(image, camera), camera)
     assert np.abs(found.level - View.of(grey_image(light), camera).smooth).max() < 2.0
     assert found.sigma < 1.5
 
