@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -51,6 +51,9 @@ class Steps:
 
         Raises ImageError where the arithmetic fails.
         """
+        return replace(self._matched(pair, blobs), moved_px=blobs.moved_px)
+
+    def _matched(self, pair: RectifiedPair, blobs: Blobs) -> Correspondences:
         if any(blobs.view_faults):
             return collect([], unseen(blobs, pair))
         if fault := rig_fault(blobs, pair.rig):

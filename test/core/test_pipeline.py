@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -234,3 +235,11 @@ class _Fails(Method):
 def test_arithmetic_that_fails_is_told_and_publishes_nothing() -> None:
     with pytest.raises(ImageError, match=r"cannot be computed \(Singular matrix\), and nothing of it is published"):
         located("parallel", frame_of("parallel"), Steps(method=_Fails()))
+
+
+@pytest.mark.parametrize(("moved_px", "told"), [(0.0, ""), (1.6, "1.6 px beside the learned"), (np.inf, "is not used")])
+def test_a_learned_background_that_was_moved_is_told_of(moved_px: float, told: str) -> None:
+    result = located_as_taken("thesis")
+    found = Steps().matched(result.pair, replace(result.blobs, moved_px=moved_px))
+    assert len(found) == len(BALLS)
+    assert told in found.notice and bool(found.notice) == bool(told)

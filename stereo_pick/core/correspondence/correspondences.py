@@ -22,7 +22,8 @@ class Correspondences:
     (N, 3, 3) [m²], rectified left frame, what adds to that of the position: both points are off together where a solid
     is; size_px: (N, 2), length and width of the object in the left rectified view [px]; direction_rad: (N,), direction
     of its length there, from the x axis towards y; extents: N, the solid that explains it, or None; turned_px: by how
-    many rows the right camera has turned since its calibration, which was undone before anything was matched.
+    many rows the right camera has turned since its calibration, which was undone before anything was matched; moved_px:
+    as of `Blobs`.
     """
 
     left_px: Floats
@@ -34,6 +35,7 @@ class Correspondences:
     extents: tuple[Extent | None, ...] = ()
     covariance: Floats = field(default_factory=lambda: np.zeros((0, 3, 3)))
     turned_px: float = 0.0
+    moved_px: float = 0.0
 
     def __post_init__(self) -> None:
         count = len(self.left_px)
@@ -58,12 +60,28 @@ class Correspondences:
 
     @property
     def notice(self) -> str:
-        """What of the rig, or of the table that is given, should be put right; empty where nothing."""
+        """What of the rig, the table that is given, or the learned background should be put right; empty where
+        nothing."""
         if not self.turned_px:
-            return next((each.detail for each in self.refused if each.reason == "off_table"), "")
+            off_table = next((each.detail for each in self.refused if each.reason == "off_table"), "")
+            return "; ".join(filter(None, (off_table, self._of_background)))
         return (
             f"objects are {self.turned_px:.1f} rows off between the views: a camera has turned since its calibration, "
             "or that is poor. Positions are corrected for it, and less sure: calibrate again"
+        )
+
+    @property
+    def _of_background(self) -> str:
+        if not self.moved_px:
+            return ""
+        if not np.isfinite(self.moved_px):
+            return (
+                "the views do not look like the learned background any more, so it is not used: a camera, the table, "
+                "or what lies on it was moved; learn it again"
+            )
+        return (
+            f"the views lie {self.moved_px:.1f} px beside the learned background, which is moved along: a camera or "
+            "the table was pushed; learn it again"
         )
 
 

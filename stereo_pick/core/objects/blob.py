@@ -135,7 +135,8 @@ class Blobs:
     """The objects found in both rectified views, and the polarity that both were found with.
 
     view_faults: why the left and the right view cannot show all objects, a reason of `refusal.REASONS`, or empty;
-    max_concavity: that of one part's outline; others: what may be objects of the other polarity, if there is any.
+    max_concavity: that of one part's outline; others: what may be objects of the other polarity, if there is any;
+    moved_px: how far the surface was moved since it was learned, infinite where it no longer looks like that.
     """
 
     left: tuple[Blob, ...]
@@ -144,6 +145,7 @@ class Blobs:
     view_faults: tuple[str, str] = ("", "")
     max_concavity: float = MAX_CONCAVITY
     others: Blobs | None = None
+    moved_px: float = 0.0
 
     @property
     def may_be_shaded(self) -> bool:

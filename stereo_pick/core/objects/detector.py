@@ -19,13 +19,14 @@ from stereo_pick.core.objects.energy import contrast_energy, seen_by_both
 from stereo_pick.core.objects.exposure import view_fault, with_saturation
 from stereo_pick.core.objects.focus import is_out_of_focus
 from stereo_pick.core.objects.foreground import Contrast, contrast_with, foreground, measure_contrast
-from stereo_pick.core.objects.learned import LearnedBackground, LearnedView, adjusted
+from stereo_pick.core.objects.learned import AdjustedBackground, LearnedBackground, adjusted
 from stereo_pick.core.objects.outline import outlines
 from stereo_pick.core.objects.shadow import Shadows
 from stereo_pick.core.objects.silhouette import trace_silhouettes
 from stereo_pick.core.objects.surfaces import surfaces, without_others
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.params import Configurable, parameter, path_of
+from stereo_pick.core.rig import StereoRig
 
 _MIN_EDGE_SIGMA = 3.0  # noise by which both sides of an edge must differ for its place to be refined
 _SAFE_LEAD = 4.0  # holes are filled and gaps closed: objects may have more energy than their pixels
@@ -108,20 +109,23 @@ class Detector(Configurable):
         Raises ParameterError on a region of interest outside of the images.
         """
         self._check_region(pair.left)
-        learned = self._learned if self.threshold == "background" else None
-        if learned is not None:
-            learned.check(pair.rig)
-        left = self._contrast(pair.left, pair.rig.left, learned.left if learned else None)
-        right = self._contrast(pair.right, pair.rig.right, learned.right if learned else None)
-        if learned is None and self.threshold == "background":
-            left, right, best = self._on_the_table(left, right)
+        views = self._view(pair.left, pair.rig.left), self._view(pair.right, pair.rig.right)
+        learned = self._adjusted(views, pair.rig)
+        moved_px = max((each.moved_px for each in learned), default=0.0)
+        if learned and np.isfinite(moved_px):
+            left, right = (contrast_with(*each, self.threshold_sigma) for each in zip(learned, views))
+            best = self._best(left, right)
+        elif self.threshold == "background":
+            left, right, best = self._on_the_table(*(self._contrast(view) for view in views))
         else:
+            left, right = (self._contrast(view) for view in views)
             best = self._best(left, right)
         found = Blobs(
             self._finished(best.left, left, best.polarity),
             self._finished(best.right, right, best.polarity),
             best.polarity,
             max_concavity=self.max_concavity,
+            moved_px=moved_px,
         )
         faults = self._view_fault(found.left, left), self._view_fault(found.right, right)
         found = replace(found, view_faults=faults)
@@ -158,10 +162,19 @@ class Detector(Configurable):
         finished = self._finished(blobs, contrast, polarity, strongest)
         return tuple(blob for blob in finished if blob.fault in ("", "merged"))
 
-    def _contrast(self, image: Image, camera: Camera, learned: LearnedView | None) -> Contrast:
-        view = View.of(image, camera, None if self.subpixel and self.threshold == "background" else 1)
-        if learned is not None:
-            return contrast_with(adjusted(learned, view, camera), view, self.threshold_sigma)
+    def _view(self, image: Image, camera: Camera) -> View:
+        return View.of(image, camera, None if self.subpixel and self.threshold == "background" else 1)
+
+    def _adjusted(self, views: tuple[View, View], rig: StereoRig) -> list[AdjustedBackground]:
+        """The learned surface in both views; empty where none is in use."""
+        learned = self._learned if self.threshold == "background" else None
+        if learned is None:
+            return []
+        learned.check(rig)
+        sides = zip((learned.left, learned.right), views, (rig.left, rig.right))
+        return [adjusted(*each) for each in sides]
+
+    def _contrast(self, view: View) -> Contrast:
         return measure_contrast(view, self.threshold, self.fixed_threshold, self.threshold_sigma)
 
     def _view_fault(self, blobs: tuple[Blob, ...], contrast: Contrast) -> str:

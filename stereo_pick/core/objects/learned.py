@@ -5,7 +5,7 @@ It is learned in the rectified views, which are what segmentation sees, and belo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -18,6 +18,7 @@ from stereo_pick.core.errors import CalibrationError, ImageError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.background import Window, grid_stride_px, refined, spread
 from stereo_pick.core.objects.exposure import check_shows_something
+from stereo_pick.core.objects.moved_surface import has_moved, motion_of
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.rig import StereoRig
 
@@ -115,11 +116,13 @@ class BackgroundLearner:
 @dataclass(frozen=True, eq=False)
 class AdjustedBackground:
     """A learned surface in the light of one view: level (h, w); sigma, the spread around it [grey levels]; looseness
-    (h, w), how many times noisier than the median each pixel is, 1 or more."""
+    (h, w), how many times noisier than the median each pixel is, 1 or more; moved_px: how far it was moved since it was
+    learned, infinite where it no longer looks like that."""
 
     level: NDArray[np.float32]
     looseness: NDArray[np.float32]
     sigma: float
+    moved_px: float = 0.0
 
     def at(self, window: Window, above: float = 0.0) -> NDArray[np.float32]:
         """Grey level of the empty surface in a window, raised by `above`, and by more where it is noisy."""
@@ -128,10 +131,24 @@ class AdjustedBackground:
 
 
 def adjusted(learned: LearnedView, view: View, camera: Camera) -> AdjustedBackground:
-    """The learned surface with the offset and the gain, one that changes evenly across the view, that this view's light
-    asks for; what lies on it are outliers, as long as it covers less than about two fifths of the view; much less where
-    a lamp was moved."""
+    """The learned surface as this view shows it: in its light, and where it was moved to since by a push.
+
+    What lies on it are outliers, as long as it covers less than about two fifths of the view; much less where a lamp
+    was moved.
+    """
     mean, looseness = _prepared(learned, camera, view.reduction)
+    still = _in_light(mean, looseness, view)
+    seen = still.level, view.smooth, view.inside, still.sigma
+    if not has_moved(*seen):
+        return still
+    motion = motion_of(*seen)
+    if motion is None:
+        return replace(still, moved_px=np.inf)
+    return replace(_in_light(motion.of(mean), motion.of(looseness), view), moved_px=motion.px * view.reduction)
+
+
+def _in_light(mean: NDArray[np.float32], looseness: NDArray[np.float32], view: View) -> AdjustedBackground:
+    """A surface (h, w) with the offset and the gain, one that changes evenly across it, that explain most of a view."""
     stride_px = grid_stride_px(mean.shape)
     grid = np.s_[::stride_px, ::stride_px]
     inside = view.inside[grid]

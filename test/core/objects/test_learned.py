@@ -24,6 +24,7 @@ from stereo_pick.core.objects.learned import adjusted as adjusted_to
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.transform import Transform
 
 PLACES: tuple[Disc, ...] = ((120.3, 100.7, 25.0), (300.0, 240.0, 18.0), (500.6, 380.2, 30.0))
 
@@ -138,6 +139,15 @@ def test_parts_on_a_printed_table_are_found_and_prints_are_not(file: Path, gain:
     np.testing.assert_allclose(sound_px(blobs.left), np.array(PLACES)[:, :2], atol=0.3)
     without = Detector().detect(pair)
     assert len(without.left) > len(PLACES), "the prints are taken for objects where nothing was learned"
+
+
+@pytest.mark.parametrize("pushed_px", [1, 4])
+def test_where_the_table_was_pushed_its_prints_are_no_objects(file: Path, pushed_px: int) -> None:
+    """Of each print an edge would be left over at either side."""
+    table = np.roll(printed(), pushed_px, axis=1)
+    blobs = Detector(background_file=str(file)).detect(pair_of(discs(PLACES, surface=200.0, background=table), seed=77))
+    assert blobs.moved_px == pytest.approx(pushed_px, abs=0.2)
+    np.testing.assert_allclose(sound_px(blobs.left), np.array(PLACES)[:, :2], atol=0.3)
 
 
 def test_an_empty_printed_table_is_empty(file: Path) -> None:
@@ -272,3 +282,18 @@ def test_an_unwritable_place_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("x")
     with pytest.raises(ImageError, match="cannot be written"):
         save_background(tmp_path / "file" / "b.npz", learned_from(printed(), pairs=3))
+
+
+def test_planks_that_were_moved_too_far_are_read_as_if_nothing_was_learned(tmp_path: Path) -> None:
+    there = staged("planks_and_prints", 2)
+    rectify = Rectifier(there.rig).rectify
+    learner = BackgroundLearner()
+    for seed in range(MIN_PAIRS):
+        learner.add(rectify(render(there.rig, replace(there.scene, solids=()), there.left, there.right, seed)))
+    save_background(tmp_path / "planks.npz", learner.finished())
+    table = there.scene.left_T_table
+    moved = replace(there.scene, left_T_table=Transform(table.rotation, table.translation + (0.03, 0.0, 0.0)))
+    pair = rectify(render(there.rig, moved, there.left, there.right, seed=7))
+    blobs, without = Detector(background_file=str(tmp_path / "planks.npz")).detect(pair), Detector().detect(pair)
+    assert blobs.moved_px == np.inf and without.moved_px == 0.0
+    np.testing.assert_array_equal(sound_px(blobs.left), sound_px(without.left))
