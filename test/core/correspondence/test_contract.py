@@ -67,9 +67,9 @@ matched_once = cache(match)
 
 
 def content(found: Correspondences) -> list[object]:
-    others = ("refused", "extents", "turned_px")
+    others = ("refused", "extents", "turned_px", "moved_px")
     arrays = [getattr(found, field.name).tobytes() for field in fields(found) if field.name not in others]
-    arrays.append(found.turned_px)
+    arrays += [found.turned_px, found.moved_px]
     arrays += [extent and extent.rotation.tobytes() + extent.size_m.tobytes() for extent in found.extents]
     places = [
         (r.reason, r.detail, *(None if p is None else p.tobytes() for p in (r.left_px, r.right_px)))
