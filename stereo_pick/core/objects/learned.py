@@ -18,7 +18,7 @@ from stereo_pick.core.errors import CalibrationError, ImageError
 from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.objects.background import Window, grid_stride_px, refined, spread
 from stereo_pick.core.objects.exposure import check_shows_something
-from stereo_pick.core.objects.moved_surface import has_moved, motion_of
+from stereo_pick.core.objects.moved_surface import continued, has_moved, motion_of
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.rig import StereoRig
 
@@ -144,7 +144,8 @@ def adjusted(learned: LearnedView, view: View, camera: Camera) -> AdjustedBackgr
     motion = motion_of(*seen)
     if motion is None:
         return replace(still, moved_px=np.inf)
-    return replace(_in_light(motion.of(mean), motion.of(looseness), view), moved_px=motion.px * view.reduction)
+    moved = motion.of(continued(mean, view.inside)), motion.of(looseness)
+    return replace(_in_light(*moved, view), moved_px=motion.px * view.reduction)
 
 
 def _in_light(mean: NDArray[np.float32], looseness: NDArray[np.float32], view: View) -> AdjustedBackground:

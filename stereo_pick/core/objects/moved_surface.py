@@ -18,6 +18,8 @@ _OFF = 2.0  # sigmas by which most of these are off, at least, where something h
 _BETTER = 0.45  # part of that which may be left, or no more than _OFF, where it did no more than move
 _TURNS_PX = 300.0  # from the middle, where a turn moves about as much as a shift
 _LOOSE = 1e-3
+_BEYOND_PX = 8.0
+_TINY = 1e-6
 
 Picture = NDArray[np.float32]
 
@@ -56,6 +58,13 @@ def motion_of(level: Picture, seen: Picture, inside: Bools, sigma: float) -> Mot
         return None
     places = _places(steep)
     return Motion(warp, float(np.median(np.linalg.norm(places @ warp.T - places[:, :2], axis=1))))
+
+
+def continued(picture: Picture, inside: Bools) -> Picture:
+    """What was learned (h, w), gone on beyond what the camera saw of it then, from where a motion may take some."""
+    shown = inside.astype(np.float32)
+    around = _blurred(picture * shown, _BEYOND_PX) / np.maximum(_blurred(shown, _BEYOND_PX), np.float32(_TINY))
+    return np.asarray(np.where(inside, picture, around), np.float32)
 
 
 def _nearer(level: Picture, seen: Picture, inside: Bools, sigma: float, warp: Floats) -> Floats:

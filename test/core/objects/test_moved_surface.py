@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stereo_pick.core.arrays import Floats
-from stereo_pick.core.objects.moved_surface import Picture, has_moved, motion_of
+from stereo_pick.core.objects.moved_surface import Picture, continued, has_moved, motion_of
 
 SIZE_PX = (640, 480)
 INSIDE = np.ones(SIZE_PX[::-1], bool)
@@ -63,3 +63,10 @@ def test_other_labels_are_not_the_same_ones_moved() -> None:
     learned, seen = printed(0), printed(1)
     assert has_moved(learned, seen, INSIDE, SIGMA)
     assert motion_of(learned, seen, INSIDE, SIGMA) is None
+
+
+def test_what_comes_into_view_is_as_what_is_beside_it() -> None:
+    inside = INSIDE.copy()
+    inside[:, :100] = False
+    learned = np.where(inside, 80.0, 0.0).astype(np.float32)
+    np.testing.assert_allclose(continued(learned, inside)[:, 85:], 80.0, atol=0.1)
