@@ -19,14 +19,13 @@ from stereo_pick.core.objects.energy import contrast_energy, seen_by_both
 from stereo_pick.core.objects.exposure import view_fault, with_saturation
 from stereo_pick.core.objects.focus import is_out_of_focus
 from stereo_pick.core.objects.foreground import Contrast, contrast_with, foreground, measure_contrast
-from stereo_pick.core.objects.learned import AdjustedBackground, LearnedBackground, adjusted
+from stereo_pick.core.objects.learned import LearnedBackground
 from stereo_pick.core.objects.outline import outlines
 from stereo_pick.core.objects.shadow import Shadows
 from stereo_pick.core.objects.silhouette import trace_silhouettes
 from stereo_pick.core.objects.surfaces import surfaces, without_others
 from stereo_pick.core.objects.view import View
 from stereo_pick.core.params import Configurable, parameter, path_of
-from stereo_pick.core.rig import StereoRig
 
 _MIN_EDGE_SIGMA = 3.0  # noise by which both sides of an edge must differ for its place to be refined
 _SAFE_LEAD = 4.0  # holes are filled and gaps closed: objects may have more energy than their pixels
@@ -110,7 +109,8 @@ class Detector(Configurable):
         """
         self._check_region(pair.left)
         views = self._view(pair.left, pair.rig.left), self._view(pair.right, pair.rig.right)
-        learned = self._adjusted(views, pair.rig)
+        background = self._learned if self.threshold == "background" else None
+        learned = background.adjusted(views, pair.rig) if background else []
         moved_px = max((each.moved_px for each in learned), default=0.0)
         if learned and np.isfinite(moved_px):
             left, right = (contrast_with(*each, self.threshold_sigma) for each in zip(learned, views))
@@ -164,15 +164,6 @@ class Detector(Configurable):
 
     def _view(self, image: Image, camera: Camera) -> View:
         return View.of(image, camera, None if self.subpixel and self.threshold == "background" else 1)
-
-    def _adjusted(self, views: tuple[View, View], rig: StereoRig) -> list[AdjustedBackground]:
-        """The learned surface in both views; empty where none is in use."""
-        learned = self._learned if self.threshold == "background" else None
-        if learned is None:
-            return []
-        learned.check(rig)
-        sides = zip((learned.left, learned.right), views, (rig.left, rig.right))
-        return [adjusted(*each) for each in sides]
 
     def _contrast(self, view: View) -> Contrast:
         return measure_contrast(view, self.threshold, self.fixed_threshold, self.threshold_sigma)

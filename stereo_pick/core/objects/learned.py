@@ -72,6 +72,12 @@ class LearnedBackground:
                 f"({calibration_hash(rig)}): learn it again"
             )
 
+    def adjusted(self, views: tuple[View, View], rig: StereoRig) -> list[AdjustedBackground]:
+        """What both views of this rig show of it; raises CalibrationError as `check`."""
+        self.check(rig)
+        sides = zip((self.left, self.right), views, (rig.left, rig.right))
+        return [adjusted(*each) for each in sides]
+
 
 @dataclass
 class BackgroundLearner:
@@ -154,9 +160,10 @@ def _in_light(mean: NDArray[np.float32], looseness: NDArray[np.float32], view: V
     grid = np.s_[::stride_px, ::stride_px]
     inside = view.inside[grid]
     grey, known = (picture[grid][inside].astype(np.float64) for picture in (view.smooth, mean))
-    terms = np.stack([each[grid][inside] for each in _terms(mean)], axis=1).astype(np.float64)
+    pictures = _terms(mean)
+    terms = np.stack([each[grid][inside] for each in pictures], axis=1).astype(np.float64)
     light = refined(np.append(_light(known, grey), [0.0, 0.0]), terms, grey)
-    level = np.sum([part * each for part, each in zip(light.astype(np.float32), _terms(mean))], axis=0)
+    level = np.sum([part * each for part, each in zip(light.astype(np.float32), pictures)], axis=0)
     return AdjustedBackground(level, looseness, spread(grey - terms @ light))
 
 
