@@ -28,6 +28,13 @@ class ReplayClock:
         """Take down that what was recorded at `recorded_ns` went out now."""
         self._published_ns = recorded_ns, now_ns
 
+    def start_over(self, first_ns: int, period_ns: int) -> None:
+        """Go on with what was recorded at `first_ns`, so much recorded time after what went out last."""
+        if self._published_ns is not None:
+            last_ns, then_ns = first_ns - period_ns, self._published_ns[1]
+            self._recorded_ns, self._steady_ns = last_ns, then_ns
+            self._published_ns = last_ns, then_ns
+
     def set_rate(self, rate: float, now_ns: int) -> None:
         """Go on from where the replay stands, at another rate."""
         if self._recorded_ns is not None:

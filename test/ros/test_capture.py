@@ -89,6 +89,18 @@ def test_a_loop_starts_over_and_ends_when_it_is_switched_off(bag: Path) -> None:
     assert stamps(images["left"])[: 2 * COUNT] == RECORDED * 2
 
 
+def test_a_loop_of_one_pair_keeps_the_pace_of_its_folder(tmp_path: Path) -> None:
+    folder = write_images(tmp_path / "images", PAIRS[:1])
+    save_rig(RIG, tmp_path / "rig")
+    parameters = (f"source:={folder}", f"calibration:={tmp_path / 'rig'}", "folder_rate_hz:=5.0", "loop:=true")
+    with graph_with(*parameters) as graph:
+        images = listen(graph)
+        graph.host(CaptureNode(graph.context))
+        graph.wait(lambda: len(images["left"]) >= 4, "four rounds")
+        taken = stamps(images["left"])
+        assert np.diff(taken).min() > 0.19 * S
+
+
 def test_a_rate_set_live_holds_from_now_on(bag: Path) -> None:
     with graph_with(f"source:={bag}", "rate:=0.01") as graph:  # the second pair would come after 200 s
         images = listen(graph)

@@ -46,3 +46,14 @@ def test_a_replay_that_was_held_up_catches_up_at_twice_its_rate(rate: float, hel
         assert n == 1 or abs(now_ns + wait_ns - max(n * interval_ns, now_ns + interval_ns // 2)) < 10
         now_ns += wait_ns
         clock.published(RECORDED + n * S, now_ns)
+
+
+@given(rates, st.integers(1, 100 * S), st.integers(0, 100 * S))
+def test_what_starts_over_comes_a_period_after_the_last(rate: float, period_ns: int, late_ns: int) -> None:
+    clock = ReplayClock(rate)
+    clock.until_ns(RECORDED, 0)
+    clock.published(RECORDED + 9 * S, late_ns)
+    clock.start_over(RECORDED, period_ns)
+    assert abs(clock.until_ns(RECORDED, late_ns) - period_ns / rate) < 10
+    clock.published(RECORDED, late_ns + round(period_ns / rate))
+    assert abs(clock.until_ns(RECORDED + S, late_ns) - (period_ns + S) / rate) < 10

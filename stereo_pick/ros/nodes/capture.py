@@ -96,6 +96,7 @@ class CaptureNode(StepNode):
         calibration, recording, size_px = self._options.calibration, self._options.source, _size_px(self._next)
         self._calibration = CalibrationInUse(self, calibration, recording, self._source, size_px)
         self._replay_clock = ReplayClock(self._options.rate)
+        self._period_ns = round(1e9 / self._options.folder_rate_hz)  # of a single pair, too
         self._published = 0
         self._started_ns = self.steady_clock.now().nanoseconds
         self._heard_ns: int | None = None
@@ -183,10 +184,18 @@ class CaptureNode(StepNode):
     def _read(self) -> SourcePair | None:
         following = next(self._pairs, None)
         if following is None and self._options.loop:
-            self._pairs = iter(self._source)
-            self._replay_clock = ReplayClock(self._options.rate)
-            following = next(self._pairs, None)
+            return self._first_again()
+        if following is not None and self._next is not None:
+            self._period_ns = following.recorded_ns - self._next.recorded_ns
         return following
+
+    def _first_again(self) -> SourcePair | None:
+        """The first pair once more, due as long after the last one as that was after the one before."""
+        self._pairs = iter(self._source)
+        first = next(self._pairs, None)
+        if first is not None:
+            self._replay_clock.start_over(first.recorded_ns, self._period_ns)
+        return first
 
     def _publish(self, pair: SourcePair) -> None:
         stamp_ns = self._stamp_ns(pair)
