@@ -16,7 +16,9 @@ from recordings import START_NS, Recording, write_images
 from ros_tools import Graph, reserved_domain
 
 from stereo_pick.core.calibration.files import save_rig
+from stereo_pick.core.errors import ImageError
 from stereo_pick.ros.messages.cameras import camera_of
+from stereo_pick.ros.messages.diagnostics import WARN
 from stereo_pick.ros.messages.stamps import stamp_ns
 from stereo_pick.ros.nodes.capture import CaptureNode
 from stereo_pick.ros.nodes.rectification import RectificationNode
@@ -99,6 +101,18 @@ def test_a_loop_of_one_pair_keeps_the_pace_of_its_folder(tmp_path: Path) -> None
         graph.wait(lambda: len(images["left"]) >= 4, "four rounds")
         taken = stamps(images["left"])
         assert np.diff(taken).min() > 0.19 * S
+
+
+def test_a_recording_that_breaks_off_is_not_reported_as_finished(tmp_path: Path) -> None:
+    folder = write_images(tmp_path / "images", PAIRS)
+    (folder / "right01.png").write_bytes(b"no image")
+    save_rig(RIG, tmp_path / "rig")
+    with graph_with(f"source:={folder}", f"calibration:={tmp_path / 'rig'}") as graph:
+        listen(graph)
+        graph.host(CaptureNode(graph.context))
+        with pytest.raises(ImageError, match="right01.png is no image"):
+            graph.wait(lambda: False, "the end")
+        graph.wait_for_status("capture", WARN, "broke off after 1 pairs:", "right01.png is no image")
 
 
 def test_a_rate_set_live_holds_from_now_on(bag: Path) -> None:

@@ -127,8 +127,10 @@ class CaptureNode(StepNode):
         values = {PAIRS: str(self._published)}
         if self._ended_ns is None:
             return Status(OK, f"replaying {self._options.source}: {self._published} pairs published", values)
+        if self._failure is not None:
+            return Status(WARN, f"broke off after {self._published} pairs: {self._failure}", values)
         finished = f"finished {self._options.source}: {self._published} pairs published"
-        lacking = "" if self._failure else without_partner(self._source, self._published)
+        lacking = without_partner(self._source, self._published)
         return Status(WARN, f"{finished}; {lacking}", values) if lacking else Status(OK, finished, values)
 
     def _on_timer(self) -> None:
