@@ -52,8 +52,8 @@ class JoinedNode(StepNode):
 
     def status(self) -> Status:
         """What is missing, or how the last message went."""
-        if self._processed:
-            return self._ended() or self.result_status()
+        if self._processed or self.failed:
+            return self._ended() or self.failed or self.result_status()
         silent = ", ".join(self.resolve_topic_name(name) for name in self._join.silent())
         return Status(WARN, f"waiting for {silent or 'messages of one stamp on all topics'}")
 

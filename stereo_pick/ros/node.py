@@ -87,6 +87,11 @@ class StepNode(Node):
                 topic.type, topic.name, self._guarded(callback), _own(topic.qos), qos_overriding_options=options
             )
 
+    @property
+    def failed(self) -> Status | None:
+        """The error of the last message, where it came to nothing."""
+        return None if self._error is None or self._is_over else Status(ERROR, str(self._error))
+
     def went_well(self) -> None:
         """Report no error before this one again: what came last was processed."""
         self._is_over = True

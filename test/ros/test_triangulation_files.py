@@ -178,6 +178,22 @@ def test_a_hand_eye_that_does_not_belong_publishes_nothing(
     assert node.poses == []
 
 
+@pytest.mark.parametrize("first_frame", ["cam_b", "left_eye"])
+def test_an_error_is_told_until_a_message_goes_well_though_there_was_another_warning_before(
+    first_frame: str, start: Callable[..., Node], tmp_path: Path
+) -> None:
+    """Cameras that are triggered for each pick are silent for seconds."""
+    record = write_record(rigs.RIGS["parallel"], tmp_path)
+    node = start(calibration_file=record, hand_eye_file=write_hand_eye(tmp_path / "hand_eye.yaml", BASE_T_CAMERA))
+    if first_frame == "left_eye":
+        node.feed_until(node.told(WARN, "is of another calibration"), "the warning")
+    node.feed_until(node.told(ERROR, "but the left images come from 'cam_b'"), "the error", "cam_b")
+    node.graph.spin(0.5)
+    node.graph.forget_statuses()
+    node.graph.spin(0.5)
+    assert node.told(ERROR, "but the left images come from 'cam_b'")(), node.graph.statuses()
+
+
 @pytest.mark.parametrize("name", ["calibration_file", "hand_eye_file"])
 def test_a_file_that_is_none_ends_the_node_with_its_name(name: str, start: Callable[..., Node], tmp_path: Path) -> None:
     (tmp_path / "wrong.yaml").write_text("a: 1\n")
