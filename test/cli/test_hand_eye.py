@@ -154,9 +154,14 @@ def test_a_file_of_something_else_is_refused_by_name(tmp_path: Path) -> None:
         load_hand_eye(tmp_path / "absent.yaml")
     run(tmp_path, pairs(2e-4))
     data = yaml.safe_load((tmp_path / "out" / "base_T_camera.yaml").read_text())
-    data["covariance"][0][0] = -1.0
+    good = data["covariance"]
+    data["covariance"] = [[-1.0, *good[0][1:]], *good[1:]]
     file.write_text(yaml.safe_dump(data))
     with pytest.raises(CalibrationError, match="other.yaml: covariance has the negative variance"):
+        load_hand_eye(file)
+    data["covariance"] = [[good[i][j] * (1e-6 if i == j else 1) for j in range(6)] for i in range(6)]
+    file.write_text(yaml.safe_dump(data))
+    with pytest.raises(CalibrationError, match="other.yaml: covariance is none: its covariances are larger"):
         load_hand_eye(file)
     with pytest.raises(CalibrationError, match="two different names"):
         FramedHandEye(load_hand_eye(tmp_path / "out" / "base_T_camera.yaml").hand_eye, "map", "map")

@@ -13,6 +13,8 @@ from stereo_pick.core.errors import ArrayError
 from stereo_pick.core.hand_eye.rotations import cross_matrix
 from stereo_pick.core.transform import Transform
 
+_ROUNDED = 1e-4  # of correlations: files may hold few digits
+
 
 @dataclass(frozen=True, eq=False)
 class UncertainTransform:
@@ -32,6 +34,8 @@ class UncertainTransform:
             raise ArrayError("covariance is not symmetric")
         if np.diag(covariance).min() < 0:
             raise ArrayError(f"covariance has the negative variance {np.diag(covariance).min():.3g}")
+        if _least_eigenvalue(covariance) < -_ROUNDED:
+            raise ArrayError("covariance is none: its covariances are larger than its variances allow")
         object.__setattr__(self, "covariance", covariance)
 
     @property
@@ -49,6 +53,13 @@ class UncertainTransform:
         arms = np.asarray(xyz, np.float64) @ self.transform.rotation.T
         jacobian = np.array([np.c_[-cross_matrix(arm), np.eye(3)] for arm in arms]).reshape(-1, 3, 6)
         return np.asarray(jacobian @ self.covariance @ jacobian.transpose(0, 2, 1))
+
+
+def _least_eigenvalue(covariance: Floats) -> float:
+    """Of the correlations (6, 6): variances of angles and of places are of different sizes."""
+    variance = np.diag(covariance)
+    sigma = np.sqrt(np.where(variance > 0, variance, 1.0))
+    return float(np.linalg.eigvalsh(covariance / np.outer(sigma, sigma)).min())
 
 
 def small_sample_factor(count: int) -> float:
