@@ -162,12 +162,22 @@ def check_baseline(right_T_left: Transform) -> None:
             f"baseline = {baseline_m:.1f} m is longer than {MAX_BASELINE_M:g} m: the calibration is in "
             f"{_units(baseline_m)}"
         )
-    if -centre[0] > np.abs(centre[1:]).max():
+    if _is_left(centre) and _is_left(right_T_left.translation):
+        raise CalibrationError(
+            f"baseline = {centre[0]:.4f} m is negative, and with the cameras exchanged it is, too: one of them stands "
+            "on its head; turn it, or all of its images, by 180 deg, and calibrate again"
+        )
+    if _is_left(centre):
         raise CalibrationError(
             f"baseline = {centre[0]:.4f} m is negative: the right camera stands left of the left one; "
             "left and right are swapped: exchange them, or calibrate again; or R and T are of the inverse direction: "
             "X_right = R X_left + T is meant"
         )
+
+
+def _is_left(centre: Floats) -> bool:
+    """Whether a camera at this place (3,) stands left of the one in whose frame that is, rather than above or below."""
+    return bool(-centre[0] > np.abs(centre[1:]).max())
 
 
 def check_beside(right_T_left: Transform) -> None:

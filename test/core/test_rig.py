@@ -94,6 +94,14 @@ def test_a_negative_baseline_is_refused() -> None:
         rig_of((-0.2, 0.0, 0.0))
 
 
+def test_a_camera_on_its_head_left_of_the_other_one_is_told_from_exchanged_ones() -> None:
+    """Each stands left of the other one, as that sees it: to exchange them, as it said, led to the same error."""
+    right_T_left = Transform(np.diag([-1.0, -1.0, 1.0]), np.array([-0.2, 0.0, 0.0]))
+    for transform in (right_T_left, right_T_left.inverse()):
+        with pytest.raises(CalibrationError, match=r"-0\.2000 m is negative.*one of them stands on its head"):
+            StereoRig.from_extrinsics(camera("left"), camera("right"), transform)
+
+
 @pytest.mark.parametrize("name", [name for name in RIGS if name != "vertical"])
 def test_exchanged_cameras_are_refused(name: str) -> None:
     rig = RIGS[name]
