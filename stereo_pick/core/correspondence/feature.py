@@ -173,7 +173,10 @@ class Feature(Method):
 
     def _collected(self, rig: StereoRig, scene: Scene, marks: Sequence[Unread] = ()) -> Correspondences:
         together, table = scene.together, scene.together.table
-        prints = [] if self.flat_parts else prints_among(together.kept, rig, table, scene.is_known)
+        flat = [
+            (each.left, each.right) for each in together.refused if each.reason == "flat" and each.left and each.right
+        ]
+        prints = [] if self.flat_parts else prints_among(together.kept, rig, table, scene.is_known, flat)
         prints += [row for row in more_marks(together.kept, marks) if row not in prints]
         objects = [row for row in together.kept if row not in prints]
         normal = table.normal if table else common_normal([where.fit for _, where in objects])

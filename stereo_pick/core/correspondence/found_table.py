@@ -16,6 +16,7 @@ from stereo_pick.core.objects import Blobs
 from stereo_pick.core.places.located import TOP, convex_outlines, is_flat
 from stereo_pick.core.places.position import BlobPair, Row
 from stereo_pick.core.shapes import SolidFit
+from stereo_pick.core.shapes.common_normal import is_upright
 from stereo_pick.core.shapes.common_table import common_table, stands_on, supposed_tables
 from stereo_pick.core.shapes.fitting import Pair, can_be_fitted
 from stereo_pick.core.shapes.kinds import SPHERE
@@ -57,10 +58,12 @@ class TableSearch:
         or that shadows show; or that the objects agree on with what the edges alone say of the others; or that lit
         faces, or one of the objects, let suppose, and on which another one is found."""
         fits = [where.fit for _, where in kept if where.fit is not None]
-        table = common_table(fits, self._level) or common_table(self._clear(fits), self._level)
+        table = common_table(fits, self._level)
+        clear = [] if table else self._clear(fits)
+        table = table or common_table(clear, self._level)
         if table is None:
             fits = fits + self._bodies()
-            shaded = self._by_shadows(kept, fits)
+            shaded = self._by_shadows(kept, fits, clear)
             if shaded is not None:
                 return FoundTable(shaded, True)
             table = (
@@ -125,10 +128,11 @@ class TableSearch:
                 return common_table(standing, self._level) or table
         return None
 
-    def _by_shadows(self, kept: Sequence[Row], fits: Sequence[SolidFit]) -> Table | None:
+    def _by_shadows(self, kept: Sequence[Row], fits: Sequence[SolidFit], clear: Sequence[SolidFit]) -> Table | None:
         """The table that shadows show, if most objects stand on it, some of which may not be what they seem without it;
         one that was found without it among them, and no ball: these stand on any plane. Or that on which all edges show
-        another object. None that an object is below, where outlines may say so: what hangs makes planes, too."""
+        another object, unless most of what is clear is turned another way. None that an object is below, where outlines
+        may say so: what hangs makes planes, too."""
         tables = self.shaded(self.bright)
         if self.bright is None:
             tables = [table for table in tables if all(table.height_m(fit.centre_m) > 0 for fit in fits)]
@@ -140,7 +144,7 @@ class TableSearch:
             standing = [fit for fit in several if stands_on(table, fit)]
             if 2 * len(standing) > len(several):
                 return table
-        return self._looked_at(kept, fits, tables, _TRIED_ON_SHADED, _LEAST)
+        return self._looked_at(kept, fits, tables, _TRIED_ON_SHADED, _LEAST, clear)
 
     def _on(self, table: Table) -> OnTable:
         return OnTable(self.images, table, self.flat_parts)
@@ -152,10 +156,12 @@ class TableSearch:
         tables: Sequence[Table],
         most: int = _TRIED_PAIRS,
         least: int = 1,
+        clear: Sequence[SolidFit] = (),
     ) -> Table | None:
         """The first of these tables on which all edges around something that does not stand on it show a solid.
 
-        most: of the outlines, that are looked at; least: solids on it, these and others.
+        most: of the outlines, that are looked at; least: solids on it, these and others; clear: what is known without
+        any table, which fewer solids on it do not outvote.
         """
         for table in tables:
             standing = [fit for fit in fits if stands_on(table, fit)]
@@ -166,7 +172,7 @@ class TableSearch:
                 if seen is None:
                     continue
                 on_it.append(seen[1].fit)
-                if len(on_it) >= least:
+                if len(on_it) >= least and not _outvoted(table, on_it, clear):
                     return table
         return None
 
@@ -174,6 +180,13 @@ class TableSearch:
         """The few outlines most worth a look of what is not known to stand on a table."""
         others = [blobs for blobs, where in kept if where.fit is None or not stands_on(table, where.fit)]
         return [*others, *self.pairs][:most]
+
+
+def _outvoted(table: Table, on_it: Sequence[SolidFit], clear: Sequence[SolidFit]) -> bool:
+    """Whether as many solids are turned as on no such table as are on it, balls not counted: they stand on any."""
+    others = [fit for fit in clear if not any(fit.overlaps(other) for other in on_it)]
+    against = [fit for fit in others if fit.kind != SPHERE.name and not is_upright(table.normal, fit)]
+    return 0 < len(against) >= len([fit for fit in on_it if fit.kind != SPHERE.name])
 
 
 def _each_once(found: Sequence[SolidFit], fits: Sequence[SolidFit]) -> list[SolidFit]:

@@ -12,7 +12,7 @@ import numpy as np
 
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.places.located import SHARP_LIMB
+from stereo_pick.core.places.located import SHARP_LIMB, refused_as
 from stereo_pick.core.places.one_plane import FACING, FLAT_PX, Sides, common_plane, height_m, plane_with
 from stereo_pick.core.places.position import BlobPair, Located, Row
 from stereo_pick.core.rig import StereoRig
@@ -33,21 +33,31 @@ _SIGMAS = 2  # ... and by which the table's height is not sure
 Outlined = tuple[Row, Sides]
 
 
-def prints_among(rows: Sequence[Row], rig: StereoRig, table: Table | None, is_known: bool) -> list[Row]:
+def prints_among(
+    rows: Sequence[Row], rig: StereoRig, table: Table | None, is_known: bool, refused: Sequence[BlobPair] = ()
+) -> list[Row]:
     """Those that may be prints, or the lit top of something that shows nothing else.
 
     table: what the objects stand on, and prints lie on; is_known: whether it is known without them. A table that only
-    prints speak for is none: all of them lie on another, higher up.
+    prints speak for is none: all of them lie on another, higher up. refused: others that are flat.
     """
     flat = [(row, Sides.of(*row[0], rig)) for row in rows if _may_be_flat(*row, rig)]
     if table is None:
         others = [(row, Sides.of(*row[0], rig)) for row in rows if not any(row is each for each, _ in flat)]
         return [row for row, _ in _without_a_table(flat, others)]
-    if not is_known and 0 < len(flat) == len(rows) and _on_one_plane(flat):
-        return list(rows)
+    level = [each for each in flat if _on_one_plane([each])]
+    if not is_known and _speak_alone(level, rows):
+        return [row for row, _ in level]
     shown = None if is_known else _that_others_show(rows, flat)
-    below = [] if is_known or shown else _below_all_others(rows, flat, rig)
+    below = [] if is_known or shown else _below_all_others(rows, flat, rig, refused)
     return [each[0] for each in flat if each in below or _is_level(shown or table, each, rig)]
+
+
+def _speak_alone(level: Sequence[Outlined], rows: Sequence[Row]) -> bool:
+    """Whether these lie on one plane, and no other solid says where a table is."""
+    if not level or not _on_one_plane(level):
+        return False
+    return all(row[1].fit is None or any(row is each for each, _ in level) for row in rows)
 
 
 def _that_others_show(rows: Sequence[Row], flat: Sequence[Outlined]) -> Table | None:
@@ -56,10 +66,13 @@ def _that_others_show(rows: Sequence[Row], flat: Sequence[Outlined]) -> Table | 
     return common_table([row[1].fit for row in rows if not any(row is each for each in may_lie)])
 
 
-def _below_all_others(rows: Sequence[Row], flat: Sequence[Outlined], rig: StereoRig) -> list[Outlined]:
-    """Those that lie on one plane on which all others stand, of which balls alone would not do: if they were objects
-    themselves the others would have to stand lower."""
-    level = _most_on_one_plane([each for each in flat if _on_one_plane([each])])
+def _below_all_others(
+    rows: Sequence[Row], flat: Sequence[Outlined], rig: StereoRig, refused: Sequence[BlobPair]
+) -> list[Outlined]:
+    """Those that lie on one plane, with what is refused perhaps, on which all others stand, of which balls alone would
+    not do: if they were objects themselves the others would have to stand lower."""
+    lying = [((pair, refused_as(pair, "flat")), Sides.of(*pair, rig)) for pair in refused]
+    level = _most_on_one_plane([each for each in [*flat, *lying] if _on_one_plane([each])])
     fits = [row[1].fit for row in rows if row[1].fit is not None and not any(row is each for each, _ in level)]
     if len(level) < _LEAST_LEVEL or all(fit.kind == SPHERE.name for fit in fits):
         return []

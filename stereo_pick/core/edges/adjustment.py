@@ -88,7 +88,24 @@ def adjusted(
     known: whether the table is known without them, and is moved within its sigma only. Those that stand or lie on it
     stay there. before: others that may hide some of them, as they may each other. edge_radius_m: one sigma of how far
     their edges are rounded; in_shadow: whether their own shadows on the table may hide where they end.
+    Where they leave open which way a table lies, as a few rods do, it is moved within its sigma, too.
     """
+    found, better = _adjusted(fits, views, rig, table, known, before, edge_radius_m, in_shadow)
+    if known or better is None or better.sigma_m < max(float(fit.size_m.max()) for fit in fits):
+        return found, better
+    return _adjusted(fits, views, rig, table, True, before, edge_radius_m, in_shadow)
+
+
+def _adjusted(
+    fits: Sequence[SolidFit],
+    views: Sequence[EdgeMap],
+    rig: StereoRig,
+    table: Table | None,
+    known: bool,
+    before: Sequence[SolidFit],
+    edge_radius_m: float,
+    in_shadow: bool,
+) -> tuple[list[Adjusted], Table | None]:
     groups = _groups(fits, table)
     occluders = Occluders.of([*fits, *before], rig)
     plane = _plane(table, fits) if table else None

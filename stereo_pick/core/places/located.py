@@ -66,7 +66,7 @@ def _locate(
     if fit is not None:
         longer = _longer(images, outlines, blobs, fit)
         if longer is not None:
-            return by_stretched(images.rig, fit, longer) if longer.believable else _refused(blobs, "half_lit")
+            return by_stretched(images.rig, fit, longer) if longer.believable else refused_as(blobs, "half_lit")
         unseen = max(fading, *(blob.cut_share for blob in blobs))
         complete = unseen <= _COMPLETE
         return by_outlines(images.rig, blobs, fit) if complete else by_solid(images.rig, fit, 1 - unseen)
@@ -74,9 +74,9 @@ def _locate(
         return by_supported(images.rig, best)
     tube = _tube(images, blobs, outlines)
     if (tube is None or tube.support < _SURELY_ONE) and _may_be_several(blobs, max_concavity):
-        return _refused(blobs, "merged")
+        return refused_as(blobs, "merged")
     if _is_half_lit(images, blobs, outlines, max_concavity):
-        return _refused(blobs, "half_lit")
+        return refused_as(blobs, "half_lit")
     if tube is None:
         return by_outlines(images.rig, blobs, None)
     return _by_tube(images, tube)
@@ -155,7 +155,7 @@ def _unless_flat(rig: StereoRig, blobs: BlobPair, located: Located) -> Located:
     if located.reason:
         return located
     if located.fit is None:
-        return _refused(blobs, "flat") if shows_one_face(*blobs, rig) else located
+        return refused_as(blobs, "flat") if shows_one_face(*blobs, rig) else located
     return replace(located, reason="flat") if is_flat(located.fit, TOP) else located
 
 
@@ -178,5 +178,6 @@ def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> S
     return longer if longer is not None and longer.believable else None
 
 
-def _refused(blobs: BlobPair, reason: str) -> Located:
+def refused_as(blobs: BlobPair, reason: str) -> Located:
+    """An object of these outlines of which the place is not known, for a reason."""
     return Located(blobs[0].centroid_px, blobs[1].centroid_px, 1.0, None, reason)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -163,6 +164,27 @@ def test_where_one_other_tells_of_no_table_labels_are_what_it_stands_on(lower_m:
     assert prints_among(rows, RIG, table, is_known=False) == (labels if are_refused else [])
 
 
+@pytest.mark.parametrize(("lower_m", "is_refused"), [(0.0, True), (0.02, False)])
+def test_labels_that_are_refused_already_count_as_what_another_stands_on(lower_m: float, is_refused: bool) -> None:
+    """One was taken for a cylinder, which put the table below the others."""
+    one, other = (row_of(ball(x_m), disc_px(ball(x_m).centre_m)) for x_m in (-0.06, 0.06))
+    foot_m = float(ball().centre_m[2])
+    table = Table(np.array([0.0, 0.0, -1.0]), foot_m + 0.02, 2e-4)
+    rows = [one, from_above(0.12, 0.15, foot_m + lower_m)]
+    assert prints_among(rows, RIG, table, is_known=False) == []
+    assert prints_among(rows, RIG, table, is_known=False, refused=[other[0]]) == ([one] if is_refused else [])
+
+
+def test_strokes_that_run_into_each_other_do_not_vouch_for_the_table_of_others() -> None:
+    """Their outline lies on no plane, and no solid explains it."""
+    labels = [row_of(ball(x_m), disc_px(ball(x_m).centre_m)) for x_m in (-0.06, 0.0, 0.06)]
+    blobs, where = standing(0.1, 45)
+    strokes = blobs, replace(where, fit=None)
+    table = below(ball(), 0.02)
+    assert prints_among([*labels, strokes], RIG, table, is_known=False) == labels
+    assert prints_among([*labels, (blobs, where)], RIG, table, is_known=False) == []
+
+
 def level_rows(elevation_deg: float, kind: str) -> tuple[Row, Table]:
     """A lit top 30 mm above the table, taken for a ball or for a lying cylinder there; and the table."""
     placed = table_before(RIG, 0.9, elevation_deg)
@@ -225,3 +247,8 @@ def test_where_the_table_is_seen_no_part_shares_the_outline_of_a_print() -> None
     """Marks of it passed for a box, 24 mm high, on a table that was not known to a tenth of that."""
     result = found("planks_and_prints", 338)
     assert len(result.ghosts_m) == 0 and result.wrong == 0 and result.missed == []
+
+
+def test_one_stroke_of_many_is_no_rod_on_a_table_that_a_few_of_them_leave_open() -> None:
+    """Two were, which tilted the table until the cameras hardly saw it; and so another was."""
+    assert found("empty", 392).published == 0
