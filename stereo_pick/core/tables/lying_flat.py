@@ -45,9 +45,12 @@ class WarpedViews:
         return self._all_lie(self.seen.beside(outline, solids))
 
     def is_surely_all_of(self, fit: SolidFit, outline: Blob, solids: Sequence[SolidFit]) -> bool:
-        """Whether it does, and the table is known so well there that a part as long would show if it stood up, and a
-        piece of one of the solids as thin as that is if it lay there."""
-        return self._is_known_at(outline) and self._would_show_piece_of(fit) and self.is_all_of(outline, solids)
+        """Whether it does, and nothing rises, however little of the outline that may be, and the table is known so well
+        there that a part as long would show if it stood up, and a piece of one of the solids as thin as that is if it
+        lay there."""
+        if not self._is_known_at(outline) or not self._would_show_piece_of(fit):
+            return False
+        return self.is_all_of(outline, solids) and not self._rises(self.seen.beside(outline, solids))
 
     def is_surely_all_beside(self, fit: SolidFit, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether all that an outline in the left view shows clear of the solids, no farther from one of them than that
@@ -59,7 +62,7 @@ class WarpedViews:
         silhouette = fit.silhouettes(rig)[0]
         reach_px = _length_px(rig.left, silhouette, seen.scale)
         near = seen.beside(outline, solids) & (within_px(seen.left, rig.left, silhouette, seen.scale) > -reach_px)
-        return self._all_lie(near)
+        return self._all_lie(near) and not self._rises(near)
 
     def shows_nothing_rise(self, outline: Blob, solids: Sequence[SolidFit]) -> bool:
         """Whether the table, where it is known well enough for a part as long, is seen in an outline in the left view
@@ -153,6 +156,11 @@ class WarpedViews:
         one, other = seen.view[around], remapped(seen.right_view, there, cv2.BORDER_CONSTANT, cv2.INTER_CUBIC)
         squares = (one * one).sum(axis=1) * (other * other).sum(axis=1)
         return np.asarray((one * other).sum(axis=1) / np.sqrt(np.maximum(squares, _TINY)), np.float64)
+
+    def _rises(self, chosen: Bools) -> bool:
+        """Whether some of the windows chosen (N,) of all, in one place, show something else than the table: those that
+        are nearly as alike as need be may be a little beside it, as where something hides a part of them."""
+        return len(self.seen.pieces_off(chosen & (self.seen.alike < _UNLIKE))) > 0
 
     def _all_lie(self, chosen: Bools) -> bool:
         """Whether all windows chosen (N,) of all lie on the table, but for a few, and there are some."""

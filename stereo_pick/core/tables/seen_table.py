@@ -75,6 +75,8 @@ class SeenTable:
         centre_px = on_grid(usable, SIDE_PX, SIDE_PX, STRIDE_PX).astype(np.float64)
         plane = of_table(table, rig, scale)
         windows = Windows(centre_px, np.c_[centre_px, np.ones(len(centre_px))] @ plane)
+        windows = windows.those(_are_within(windows, valid(rig.right, right)))
+        centre_px = windows.centre_px
         off_px, sigma_px, alike = off_plane(left, right, plane, windows, (SIDE_PX, SIDE_PX))
         known_px = np.hypot(sigma_px, sigma_on_table_px(windows, table, rig, scale))
         open_px = SIGMAS * np.asarray(known_px, np.float64)
@@ -119,6 +121,15 @@ class SeenTable:
             left, right = (within_px(*side, self.scale) < -CLEAR_PX for side in sides)
             self._clear[fit] = np.asarray(left & right, np.bool_)
         return self._clear[fit]
+
+
+def _are_within(windows: Windows, seen: Bools) -> Bools:
+    """Which (N,) are, where the plane puts them in the right view, within what that camera sees (h, w)."""
+    whole = cv2.erode(seen.astype(np.uint8), np.ones((SIDE_PX, SIDE_PX), np.uint8), borderValue=0)
+    column = np.round(windows.centre_px[:, 0] - windows.disparity_px).astype(int)
+    row = windows.centre_px[:, 1].astype(int)
+    inside = (column >= 0) & (column < seen.shape[1])
+    return np.asarray(inside & (whole[row, np.where(inside, column, 0)] > 0), np.bool_)
 
 
 def within_px(points_px: Floats, camera: Camera, polygon: Floats, scale: float) -> Floats:

@@ -26,13 +26,13 @@ MEASURED = Table(TABLE.normal, TABLE.offset_m, 5e-4)
 MIDDLE, RADIUS_PX = (320.0, 240.0), 60.0
 
 
-def raised(height_m: float) -> RectifiedPair:
+def raised(height_m: float, radius_px: float = RADIUS_PX) -> RectifiedPair:
     """A print on a table, but for a disc of it that is so much higher."""
     above = Table(TABLE.normal, TABLE.offset_m - height_m, 0.0)
     low, high = seen(RIG, TABLE, 20.0, 0), seen(RIG, above, 20.0, 1)
     height, width = low.left.shape
     columns, rows = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
-    there = ((columns - MIDDLE[0]) ** 2 + (rows - MIDDLE[1]) ** 2 < RADIUS_PX**2).astype(np.float32)
+    there = ((columns - MIDDLE[0]) ** 2 + (rows - MIDDLE[1]) ** 2 < radius_px**2).astype(np.float32)
     at = columns_in_left(RIG, above, columns, rows).astype(np.float32)
     there_right = cv2.remap(there, at, rows.astype(np.float32), cv2.INTER_LINEAR) > 0.5
     left, right = np.where(there > 0.5, high.left, low.left), np.where(there_right, high.right, low.right)
@@ -99,6 +99,16 @@ def test_what_rises_far_from_a_solid_is_no_piece_of_it(away_px: float, sigma_m: 
     one, board = ball(25.0, away_px), outline(220.0)
     assert not warped.is_surely_all_of(one, board, [one])
     assert warped.is_surely_all_beside(one, board, [one]) == lies
+
+
+@pytest.mark.parametrize("height_m", [0.0, 0.01])
+def test_what_rises_may_be_a_piece_of_it_however_little_of_the_outline_it_is(height_m: float) -> None:
+    """The stem of a T, whose outline ran into that of a large print."""
+    warped, one, board = WarpedViews(raised(height_m, 30.0), MEASURED), ball(20.0, 75.0), outline(150.0)
+    assert warped.is_all_of(board, [one])
+    assert (
+        warped.is_surely_all_of(one, board, [one]) == warped.is_surely_all_beside(one, board, [one]) == (not height_m)
+    )
 
 
 @pytest.mark.parametrize(("long", "lies"), [(1.0, True), (2.4, False)])
