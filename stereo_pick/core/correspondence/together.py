@@ -9,6 +9,7 @@ import numpy as np
 
 from stereo_pick.core.correspondence.reading import Reader, Reading
 from stereo_pick.core.correspondence.sureness import placed_surely, seen_in_part
+from stereo_pick.core.doubts.outvoted_table import unless_outvoted
 from stereo_pick.core.doubts.rising_outline import rises_beside
 from stereo_pick.core.doubts.second_thoughts import CREASED, WELL_SHOWN, is_flat_after_all, reconsidered
 from stereo_pick.core.doubts.standing_out import stands_out
@@ -71,6 +72,8 @@ def adjusted_together(reader: Reader, reading: Reading, known: bool, edge_radius
     seen, refused, rest = _looked_for_again(reader, reading.aside, open_, seen, rest, astray, warped)
     exact = _exactly(images, seen, table if known else common, known, edge_radius_m)
     placed = placed_surely(images, seen, exact, table, warped)
+    if not known:
+        placed = unless_outvoted(common, placed, refused)
     both = [(row, each) for row, (_, each) in zip(placed, seen)]
     fits = [each.fit for _, each in both] + [where.fit for _, where in rest if where.fit is not None]
     more = _standing_out(images, both, fits)

@@ -14,6 +14,7 @@ import numpy as np
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.doubts.below_face import bodies_below
 from stereo_pick.core.doubts.beyond_solid import outline_inside_px
 from stereo_pick.core.doubts.coaxial import are_coaxial
 from stereo_pick.core.doubts.flush_boxes import are_flush, moved_m
@@ -22,6 +23,7 @@ from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.beside import BESIDE_PX, are_beside
 from stereo_pick.core.places.position import BlobPair, Row, of_size
 from stereo_pick.core.rig import StereoRig
+from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.tables.lying_flat import WarpedViews
 
@@ -49,8 +51,15 @@ def as_unsure_as_whole(
         return warped.is_surely_all_of(fit, pair[0], fits) or warped.is_surely_all_beside(fit, pair[0], fits)
 
     up = warped.table.normal if warped else None
-    both = [_or_both(row, [*rows, *unsure], up) for row in rows]
-    return [_as_unsure(row, others, rig, lies_flat) for row in both]
+    both = [_or_both(row, rows, unsure, up) for row in rows]
+    return [_as_unsure(row, [*others, *_below_faces(row, unread, rig)], rig, lies_flat) for row in both]
+
+
+def _below_faces(row: Row, unread: Sequence[Unread], rig: StereoRig) -> list[BlobPair]:
+    fit = row[1].fit
+    if fit is None or fit.kind == SPHERE.name:  # a ball is no piece of another
+        return []
+    return bodies_below(unread, fit, rig)
 
 
 def _alone_on_same_rows(unread: Sequence[Unread]) -> list[BlobPair]:
@@ -66,16 +75,20 @@ def _on_same_rows(one: Blob, other: Blob) -> bool:
     return top < other_bottom and other_top < bottom
 
 
-def _or_both(row: Row, rows: Sequence[Row], up: Floats | None) -> Row:
-    """The same, which may be one with another box that touches it, or with what has the same axis."""
+def _or_both(row: Row, sure: Sequence[Row], unsure: Sequence[Row], up: Floats | None) -> Row:
+    """The same, which may be one with another box that touches it, or with what has the same axis; or, where no table
+    tells which way is up, with whatever is anywhere on its axis, or is sure and touches it."""
     blobs, where = row
     fit, off_m = where.fit, [0.0]
-    for pair, other in rows:
+    for pair, other in [*sure, *unsure]:
         if fit is None or other.fit is None or other.fit is fit:
             continue
         open_m = float(np.sqrt(np.linalg.eigvalsh(where.covariance + other.covariance).max()))
         touch = _touch(blobs, pair)
-        if are_coaxial(fit, other.fit, up, open_m) or are_flush(fit, other.fit, touch=touch, open_m=open_m):
+        upright = fit.rotation[:, 2] if up is None else up
+        is_one = are_coaxial(fit, other.fit, upright, open_m) or are_flush(fit, other.fit, touch=touch, open_m=open_m)
+        may_be_one = up is None and touch and any(other is each for _, each in sure)
+        if is_one or may_be_one:
             off_m.append(moved_m(fit, other.fit))
     return blobs, replace(where, covariance=where.covariance + max(off_m) ** 2 * np.eye(3))
 

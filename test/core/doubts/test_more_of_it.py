@@ -98,6 +98,33 @@ def test_what_is_flush_with_a_piece_is_as_unsure_however_sure_that_is(is_sure: b
     assert not as_unsure_as_whole([row], [], [], PARALLEL, None)[0][1].covariance.any()
 
 
+def solids(kind: str, x_m: float, size_m: tuple[float, float, float], z_m: float = 0.9) -> SolidFit:
+    return SolidFit(kind, np.array([x_m, 0.0, z_m]), np.eye(3), np.array(size_m), 0.1, np.eye(3) * 1e-8)
+
+
+@pytest.mark.parametrize(
+    ("other", "beside_px", "is_one"),
+    [
+        (solids("cylinder", 0.04, (0.02, 0.02, 0.05)), 0.0, True),
+        (solids("cylinder", 0.04, (0.02, 0.02, 0.05)), 20.0, False),
+        (solids("cylinder", 0.0, (0.02, 0.02, 0.02), 0.84), 20.0, True),
+    ],
+    ids=["touches it", "beside it", "on its axis, as the end of a shank"],
+)
+def test_where_no_table_is_known_two_may_be_pieces_of_one(other: SolidFit, beside_px: float, is_one: bool) -> None:
+    """The stem of an L passed for a lying cylinder, 21 mm off the middle of both, and sure of it."""
+    one = solids("hexprism", 0.0, (0.04, 0.035, 0.02))
+    left, right = (disc(*one.centre_px(camera), 20.0) for camera in (PARALLEL.left, PARALLEL.right))
+    beside = (
+        disc(*(left.centroid_px + (40.0 + beside_px, 0.0)), 20.0),
+        disc(*(right.centroid_px + (40.0 + beside_px, 0.0)), 20.0),
+    )
+    rows = [((left, right), Located(*PLACES, 0.1, one)), (beside, Located(*PLACES, 0.1, other))]
+    assert [bool(where.covariance.any()) for _, where in as_unsure_as_whole(rows, [], [], PARALLEL, None)] == [
+        is_one
+    ] * 2
+
+
 @pytest.mark.parametrize(
     ("thick_m", "yaw_rad"),
     [
