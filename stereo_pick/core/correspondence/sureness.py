@@ -125,17 +125,24 @@ def _may_be_a_streak(found: Adjusted, table: Table | None) -> bool:
 
 
 def _may_be_a_side(found: Adjusted, table: Table | None) -> bool:
-    """Whether nothing tells how far away a solid is that lacks its creases, but as much of its silhouette as shows."""
-    return table is None and found.shown < WELL_SHOWN and not found.is_creased
+    """Whether nothing tells how far away a solid is that lacks its creases, but as much of its silhouette as shows; or,
+    however much that is, of a cylinder whose ends are not seen: that of a box may be as that."""
+    if table is not None:
+        return False
+    hides_its_ends = found.fit.kind == CYLINDER.name and not found.has_creases
+    return hides_its_ends or (found.shown < WELL_SHOWN and not found.is_creased)
 
 
 def _may_be_a_dome(found: Adjusted, table: Table | None) -> bool:
-    """Whether it is seen as a cylinder that stands, but the rim of its top, which hardly ever is as bright as its side,
-    does not show: that may be rounded."""
+    """Whether it is seen as a cylinder that stands, or without a table more of its end than of its side, but the rim of
+    its top does not show: that may be rounded, as it is hardly ever as bright as the side."""
     fit = found.fit
-    if table is None or fit.kind != CYLINDER.name or not found.has_creases or found.creased >= _WELL_SEEN:
+    if fit.kind != CYLINDER.name or not found.has_creases or found.creased >= _WELL_SEEN:
         return False
-    return bool(abs(fit.rotation[:, 2] @ table.normal) > np.sqrt(1 - ANGLE**2))
+    axis = fit.rotation[:, 2]
+    if table is None:
+        return bool(abs(axis @ fit.centre_m) > np.sqrt(0.5) * np.linalg.norm(fit.centre_m))
+    return bool(abs(axis @ table.normal) > np.sqrt(1 - ANGLE**2))
 
 
 def _as_if_it_stood(found: Adjusted, table: Table, rig: StereoRig) -> Floats:

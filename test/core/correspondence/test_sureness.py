@@ -9,9 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from marks import more
 from outlines import disc
+from rendering import Box, Scene, render_with_truth
+from rendering.rigs import table_before
 from rigs import RIGS
 
 from stereo_pick.core.correspondence.sureness import seen_in_part, table_moved_m
+from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.places.position import Located
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.table import Table
@@ -61,6 +64,16 @@ def test_the_centre_of_an_unknown_shape_is_anywhere_within_its_width(radius_px: 
     _, where = seen_in_part(row, RIG, table)
     width_m = 2 * radius_px * 0.9 / RIG.focal_px
     assert where.covariance == pytest.approx(min(width_m, height_m or width_m) ** 2 / 12 * np.eye(3), rel=0.1)
+
+
+def test_a_box_alone_that_is_seen_as_a_cylinder_without_ends_says_that_it_is_unsure() -> None:
+    """Its sides are a little brighter than the table, and no table is known: it was 11 mm off, and sure of it."""
+    box = Box(0.0753, -0.0021, (0.01931, 0.02563, 0.02205), yaw_rad=-0.0162, albedo=0.522)
+    scene = Scene((box,), table_before(RIG, 0.9, 76.423), table_albedo=0.26983, ambient=0.57296)
+    frame, truth = render_with_truth(RIG, scene, seed=0)
+    poses = Pipeline(RIG, Steps()).run(frame).poses
+    off_m = np.linalg.norm(poses.xyz - truth.centres_m[0], axis=1)
+    assert (poses.confidence[off_m > 5e-3] < 0.5).all()
 
 
 @more
