@@ -1,6 +1,6 @@
 """Prints what the package makes of parts of shapes that it does not know, in scenes with exact truth, as Markdown.
 
-python benchmark/evaluate_unknown.py [--family NAME ...] [--parts bright dark] [--seeds N] [--jobs N]
+python benchmark/evaluate_unknown.py [--family NAME ...] [--parts bright dark alone] [--seeds N] [--jobs N]
 python benchmark/evaluate_unknown.py --write docs/unknown_shapes.md
 """
 
@@ -11,6 +11,7 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -32,15 +33,27 @@ from stereo_pick.core.pipeline import Pipeline
 from stereo_pick.core.poses import ObjectPoses
 
 _SHAPES = COMPOSITES | ODD_PARTS
-_KNOWN = 2  # parts of known shapes in each scene
 _GAP_PX = 10.0
 _NEAR_M = 0.005  # beyond a part, within which a pose is taken to be one of it
 _SCENE_TRIES = 60
 _SURE = 0.99  # confidence
 Job = tuple[str, str, int]
-_PARTS = {"bright": BRIGHT, "dark": (0.05, 0.25)}  # albedos
 _PAPER = (0.65, 0.85)  # of what dark parts lie on
-_TITLES = {"bright": "Bright parts on a darker table:", "dark": "Dark parts on light paper:"}
+_TITLES = {
+    "bright": "Bright parts on a darker table:",
+    "dark": "Dark parts on light paper:",
+    "alone": "Bright parts with nothing beside them, so that no table is known:",
+}
+
+
+class Parts(NamedTuple):
+    """Their albedos, and how many of known shapes are in each scene."""
+
+    albedo: tuple[float, float]
+    known: int
+
+
+_PARTS = {"bright": Parts(BRIGHT, 2), "dark": Parts((0.05, 0.25), 2), "alone": Parts(BRIGHT, 0)}
 
 
 @dataclass(frozen=True)
@@ -82,7 +95,7 @@ def scored(job: Job) -> Scored:
     frame, truth = scene.taken()
     poses = Pipeline(scene.rig, steps({})).run(frame).poses
     of_part = _held_against(poses, centre_m, reach_m)
-    known_m = truth.centres_m[-_KNOWN:]
+    known_m = truth.centres_m[len(truth.centres_m) - _PARTS[light].known :]
     apart_m = np.linalg.norm(poses.xyz[:, None] - known_m, axis=2)
     found = int((apart_m.min(axis=0, initial=np.inf) < WRONG_M).sum())
     return Scored(shape, *of_part, len(known_m), found)
@@ -90,11 +103,11 @@ def scored(job: Job) -> Scored:
 
 def _staged(random: Random, shape: str, light: str) -> tuple[Staged, Floats, float]:
     """A scene, and where in the left frame the part of that shape is, and how far it reaches from there."""
-    albedo = _PARTS[light]
+    albedo, known = _PARTS[light]
     rig_name, table = table_of(random, (32, 85))
     part = _SHAPES[shape](random, float(random.uniform(*albedo)))
     bound = table.add(part.bound, _GAP_PX)
-    for kind in random.permutation(np.arange(len(MIXED)))[:_KNOWN]:
+    for kind in random.permutation(np.arange(len(MIXED)))[:known]:
         table.add(MIXED[kind](random, float(random.uniform(*albedo))), _GAP_PX)
     table.parts[:1] = part.placed(bound.x_m, bound.y_m)
     centre_m = table.left_T_table.apply(part.centre_m + (bound.x_m, bound.y_m, 0.0))
