@@ -26,7 +26,8 @@ def open_source(
     The topics (found by their names where not given), the stamp offset and whether the calibration is the recorded one
     (so that it must not change midway) concern bags, the rate folders. full_scale_16: the value of a 16-bit image that
     is white.
-    Raises SourceError where there are no stereo pairs, ParameterError on an offset or rate out of range.
+    Raises SourceError where there are no stereo pairs, or topics are named of a folder, ParameterError on an offset or
+    rate out of range.
     """
     if not path.exists():
         raise SourceError(f"{path}: no such bag or folder; check the path")
@@ -37,6 +38,10 @@ def open_source(
             raise SourceError(f"{path}: bags need rosbags ({error}): pip install rosbags") from None
         return BagSource.open(path, left_topic, right_topic, max_stamp_offset_s, uses_camera_info, full_scale_16)
     if path.is_dir():
+        if left_topic or right_topic:
+            raise SourceError(
+                f"{path} is a folder of images, which has no topics: leave out left_topic and right_topic"
+            )
         from stereo_pick.sources.images import ImageFolder
 
         return ImageFolder.open(path, rate_hz, full_scale_16)

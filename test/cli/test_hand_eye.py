@@ -167,6 +167,17 @@ def test_a_file_of_something_else_is_refused_by_name(tmp_path: Path) -> None:
         FramedHandEye(load_hand_eye(tmp_path / "out" / "base_T_camera.yaml").hand_eye, "map", "map")
 
 
+@pytest.mark.parametrize("rows", [[{"name": "pair 1", "off_mm": 0.1}], ["pair 1"], 7])
+def test_a_file_whose_lists_hold_something_else_is_refused_by_their_name(rows: object, tmp_path: Path) -> None:
+    run(tmp_path, pairs(2e-4))
+    file = tmp_path / "out" / "base_T_camera.yaml"
+    data = yaml.safe_load(file.read_text())
+    for field in ("residuals", "attempts"):
+        file.write_text(yaml.safe_dump({**data, field: rows}))
+        with pytest.raises(CalibrationError, match=f"yaml: field '{field}' is no list of what stereo-pick hand-eye"):
+            load_hand_eye(file)
+
+
 def spoilt(change: Callable[[dict[str, Any]], object]) -> dict[str, Any]:
     content = pairs()
     change(content)

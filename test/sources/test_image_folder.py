@@ -142,3 +142,9 @@ def test_what_is_neither_file_nor_folder_is_named(tmp_path: Path) -> None:
     for path in (tmp_path / "pipe.mcap", Path("/dev/null")):
         with pytest.raises(SourceError, match=f"{path} is no bag .* and no folder of image pairs"):
             open_source(path)
+
+
+def test_topics_are_no_folders(tmp_path: Path) -> None:
+    make(tmp_path, "left1.png", "right1.png")
+    with pytest.raises(SourceError, match="is a folder of images, which has no topics: leave out left_topic"):
+        open_source(tmp_path, right_topic="/right/image_raw")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
 
@@ -16,6 +17,8 @@ from stereo_pick.core.hand_eye.recording import about, read_mapping, read_pose
 from stereo_pick.core.hand_eye.result import Attempt, HandEye, Residual, UncertainTransform
 from stereo_pick.core.hand_eye.rotations import to_quaternion
 from stereo_pick.core.rig import StereoRig
+
+Row = TypeVar("Row")
 
 _NOTE = "covariance: 6 x 6, rotation vector [rad] before translation [m], both in the parent frame"
 
@@ -75,9 +78,9 @@ def load_hand_eye(path: Path) -> FramedHandEye:
                 parent,
                 child,
                 found,
-                tuple(Residual(**each) for each in data["residuals"]),
+                _rows(data, "residuals", Residual),
                 str(data["method"]),
-                tuple(Attempt(**each) for each in data["attempts"]),
+                _rows(data, "attempts", Attempt),
                 tuple(data["warnings"]),
             )
             parent_frame, child_frame = (str(data[field] or "") for field in ("parent_frame", "child_frame"))
@@ -86,6 +89,13 @@ def load_hand_eye(path: Path) -> FramedHandEye:
             raise CalibrationError(f"field {error} is missing: is it a file of stereo-pick hand-eye?") from None
 
     return about(str(path), build)
+
+
+def _rows(data: dict[str, Any], field: str, kind: Callable[..., Row]) -> tuple[Row, ...]:
+    try:
+        return tuple(kind(**each) for each in data[field])
+    except TypeError:
+        raise CalibrationError(f"field '{field}' is no list of what stereo-pick hand-eye writes there") from None
 
 
 def _to_mapping(framed: FramedHandEye) -> dict[str, Any]:
