@@ -21,7 +21,7 @@ from stereo_pick.core.doubts.flush_boxes import are_flush, moved_m
 from stereo_pick.core.matches.left_over import Unread
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.objects.beside import BESIDE_PX, are_beside
-from stereo_pick.core.places.position import BlobPair, Row, of_size
+from stereo_pick.core.places.position import BlobPair, Located, Row, of_size
 from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.kinds import SPHERE
 from stereo_pick.core.shapes.solid_fit import SolidFit
@@ -29,6 +29,7 @@ from stereo_pick.core.tables.lying_flat import WarpedViews
 
 _SHADE = "beside_bright"
 _CUT = "cut_by_border"
+_HARDLY = 1 / 4  # of its least size, one sigma
 
 
 def as_unsure_as_whole(
@@ -77,7 +78,8 @@ def _on_same_rows(one: Blob, other: Blob) -> bool:
 
 def _or_both(row: Row, sure: Sequence[Row], unsure: Sequence[Row], up: Floats | None) -> Row:
     """The same, which may be one with another box that touches it, or with what has the same axis; or, where no table
-    tells which way is up, with whatever is anywhere on its axis, or is sure and touches it."""
+    tells which way is up, with what is anywhere on its axis, or touches it and is hardly known. What is so unsure that
+    it is refused counts elsewhere."""
     blobs, where = row
     fit, off_m = where.fit, [0.0]
     for pair, other in [*sure, *unsure]:
@@ -87,10 +89,16 @@ def _or_both(row: Row, sure: Sequence[Row], unsure: Sequence[Row], up: Floats | 
         touch = _touch(blobs, pair)
         upright = fit.rotation[:, 2] if up is None else up
         is_one = are_coaxial(fit, other.fit, upright, open_m) or are_flush(fit, other.fit, touch=touch, open_m=open_m)
-        may_be_one = up is None and touch and any(other is each for _, each in sure)
+        may_be_one = up is None and touch and _is_hardly_known(other) and any(other is each for _, each in sure)
         if is_one or may_be_one:
             off_m.append(moved_m(fit, other.fit))
     return blobs, replace(where, covariance=where.covariance + max(off_m) ** 2 * np.eye(3))
+
+
+def _is_hardly_known(where: Located) -> bool:
+    """Whether a solid may be about anywhere within its thickness: it may be another, and this a piece of it."""
+    sigma_m = float(np.sqrt(np.linalg.eigvalsh(where.covariance).max()))
+    return where.fit is not None and sigma_m > _HARDLY * float(where.fit.size_m.min())
 
 
 def _touch(one: BlobPair, other: BlobPair) -> bool:

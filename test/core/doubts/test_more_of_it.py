@@ -103,26 +103,28 @@ def solids(kind: str, x_m: float, size_m: tuple[float, float, float], z_m: float
 
 
 @pytest.mark.parametrize(
-    ("other", "beside_px", "is_one"),
+    ("other", "sigma_m", "beside_px", "is_one"),
     [
-        (solids("cylinder", 0.04, (0.02, 0.02, 0.05)), 0.0, True),
-        (solids("cylinder", 0.04, (0.02, 0.02, 0.05)), 20.0, False),
-        (solids("cylinder", 0.0, (0.02, 0.02, 0.02), 0.84), 20.0, True),
+        (solids("cylinder", 0.04, (0.02, 0.02, 0.05)), 0.006, 0.0, True),
+        (solids("cylinder", 0.04, (0.02, 0.02, 0.05)), 0.001, 0.0, False),
+        (solids("cylinder", 0.04, (0.02, 0.02, 0.05)), 0.006, 20.0, False),
+        (solids("cylinder", 0.0, (0.02, 0.02, 0.02), 0.84), 0.001, 20.0, True),
     ],
-    ids=["touches it", "beside it", "on its axis, as the end of a shank"],
+    ids=["touches it", "touches it, but is known, as in a stack", "beside it", "on its axis, as the end of a shank"],
 )
-def test_where_no_table_is_known_two_may_be_pieces_of_one(other: SolidFit, beside_px: float, is_one: bool) -> None:
-    """The stem of an L passed for a lying cylinder, 21 mm off the middle of both, and sure of it."""
+def test_where_no_table_is_known_another_may_be_a_piece_of_it(
+    other: SolidFit, sigma_m: float, beside_px: float, is_one: bool
+) -> None:
+    """The stem of an L passed for a lying cylinder, 21 mm off the middle of both, and both were sure of it."""
     one = solids("hexprism", 0.0, (0.04, 0.035, 0.02))
     left, right = (disc(*one.centre_px(camera), 20.0) for camera in (PARALLEL.left, PARALLEL.right))
     beside = (
         disc(*(left.centroid_px + (40.0 + beside_px, 0.0)), 20.0),
         disc(*(right.centroid_px + (40.0 + beside_px, 0.0)), 20.0),
     )
-    rows = [((left, right), Located(*PLACES, 0.1, one)), (beside, Located(*PLACES, 0.1, other))]
-    assert [bool(where.covariance.any()) for _, where in as_unsure_as_whole(rows, [], [], PARALLEL, None)] == [
-        is_one
-    ] * 2
+    unsure = Located(*PLACES, 0.1, other, covariance=sigma_m**2 * np.eye(3))
+    rows = [((left, right), Located(*PLACES, 0.1, one)), (beside, unsure)]
+    assert as_unsure_as_whole(rows, [], [], PARALLEL, None)[0][1].covariance.any() == is_one
 
 
 @pytest.mark.parametrize(
