@@ -46,13 +46,14 @@ class Collector:
         self._selection = Selection(self.board)
 
     def look(self, pair: BoardImages) -> BoardView | None:
-        """The board as this pair shows it, or None; raises CalibrationError on images of another size."""
-        self._first = self._first or pair
-        check_size(pair, self._first)
+        """The board as this pair shows it, or None; raises CalibrationError on images of another size than those that
+        showed it before."""
+        check_size(pair, self._first or pair)
         self.looked_at += 1
         view = first_view(pair, self.board)
         if view is not None:
             self.shown += 1
+            self._first = self._first or pair
             worse = min(sharpness(pair.left, view.left_px), sharpness(pair.right, view.right_px))
             self._selection.add(Candidate(self.looked_at, pair, view, worse))
         return view

@@ -57,6 +57,14 @@ def test_another_size_is_refused_and_the_rest_kept(pairs: Pairs) -> None:
     assert (collector.looked_at, len(collector.images())) == (2, 2)
 
 
+def test_the_size_of_images_without_a_board_binds_no_others(pairs: Pairs) -> None:
+    """As of the first image of a driver that is set up only then: all others were refused until a restart."""
+    collector = collected([(GREY[:200], GREY[:200]), pairs[0]])
+    assert (collector.looked_at, collector.shown) == (2, 1)
+    with pytest.raises(CalibrationError, match="right at 9.00 s is 320 x 200, but left at 9.00 s is 320 x 240"):
+        Collector(BOARD).look(timed_pair(9, GREY, GREY[:200]))
+
+
 def test_pace_takes_ten_pairs_a_second_and_begins_anew_with_a_replay() -> None:
     pace = Pace()
     taken = [stamp for stamp in range(0, 10**9, 33_000_000) if pace.takes(stamp)]
