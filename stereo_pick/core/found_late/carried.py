@@ -44,6 +44,12 @@ def as_predicted(unread: Unread, blobs: BlobPair, fit: SolidFit, rig: StereoRig)
     return without_edges(left, fit.silhouette_px(rig.left)), right
 
 
+def own_outlines(blobs: BlobPair, fit: SolidFit, rig: StereoRig) -> BlobPair:
+    """A solid's silhouettes, in place of outlines that are not its own alone."""
+    left, right = blobs
+    return without_edges(left, fit.silhouette_px(rig.left)), without_edges(right, fit.silhouette_px(rig.right))
+
+
 def without_edges(blob: Blob, contour_px: Floats) -> Blob:
     """An outline (N, 2) that was not seen in the image, in the place of one that was."""
     return replace(blob, contour_px=contour_px, sharpness=np.full(len(contour_px), CUT))

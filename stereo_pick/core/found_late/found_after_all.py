@@ -8,9 +8,10 @@ from dataclasses import replace
 from stereo_pick.core.doubts.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone, is_seen_to_be_more
 from stereo_pick.core.edges.hypotheses import Images
 from stereo_pick.core.found_late.along_rows import shows_height
-from stereo_pick.core.found_late.carried import without_edges
+from stereo_pick.core.found_late.carried import own_outlines, without_edges
 from stereo_pick.core.found_late.inscribed import discs_within
 from stereo_pick.core.found_late.last_look import MOST, LastLook, Seen, may_be_found
+from stereo_pick.core.found_late.on_top import with_those_on_top
 from stereo_pick.core.found_late.risen import all_risen
 from stereo_pick.core.found_late.shaded_foot import refused_in_its_shadow
 from stereo_pick.core.matches.left_over import Unread
@@ -30,8 +31,8 @@ def found_after_all(
     seen: Sequence[Seen],
     warped: WarpedViews,
 ) -> tuple[list[Seen], list[Unread]]:
-    """What is seen, with those of the refused, and of what was set aside, that are found where none of the others is;
-    and what stays refused."""
+    """What is seen, with those of the refused, and of what was set aside, that are found where none of the others is,
+    and what stands on others; and what stays refused."""
     found, refused = list(seen), list(open_)
     for unread in may_be_found(open_):
         another = _found(look, warped, unread, _fits(found), is_whole=True)
@@ -53,7 +54,7 @@ def found_after_all(
         if another is not None and not _is_a_piece(another, refused, images):
             found.append(_by_itself(another, images.rig))
             refused = [each for each in refused if not is_part_of(each, another[1].fit, images)]
-    return found, refused
+    return with_those_on_top(images, look, found), refused
 
 
 def _found(
@@ -122,7 +123,5 @@ def _is_a_piece(seen: Seen, refused: Sequence[Unread], images: Images) -> bool:
 
 def _by_itself(seen: Seen, rig: StereoRig) -> Seen:
     """The same with the outlines that the solid has: those that it was found in were none of its own."""
-    ((left, right), where), there = seen
-    fit = there.fit
-    blobs = without_edges(left, fit.silhouette_px(rig.left)), without_edges(right, fit.silhouette_px(rig.right))
-    return (blobs, where), there
+    (blobs, where), there = seen
+    return (own_outlines(blobs, there.fit, rig), where), there
