@@ -7,13 +7,13 @@ from dataclasses import replace
 
 from stereo_pick.core.doubts.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone, is_seen_to_be_more
 from stereo_pick.core.edges.hypotheses import Images
-from stereo_pick.core.found_late.along_rows import shows_height
 from stereo_pick.core.found_late.carried import own_outlines, without_edges
 from stereo_pick.core.found_late.inscribed import discs_within
 from stereo_pick.core.found_late.last_look import MOST, LastLook, Seen, may_be_found
 from stereo_pick.core.found_late.on_top import with_those_on_top
 from stereo_pick.core.found_late.risen import all_risen
 from stereo_pick.core.found_late.shaded_foot import refused_in_its_shadow
+from stereo_pick.core.found_late.told_from_marks import unless_marks
 from stereo_pick.core.matches.left_over import Unread
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.places.located import TOP, is_flat
@@ -50,7 +50,7 @@ def found_after_all(
     found += _within(look, warped, refused, found)
     outlines_px = [each.left.contour_px for each in refused if each.left]
     for risen in all_risen(warped.seen, warped.table, _fits(found), outlines_px)[:MOST]:
-        another = _unless_marks(look.images, warped, look.at_risen(risen, _fits(found)))
+        another = unless_marks(look.images, warped, look.at_risen(risen, _fits(found)))
         if another is not None and not _is_a_piece(another, refused, images):
             found.append(_by_itself(another, images.rig))
             refused = [each for each in refused if not is_part_of(each, another[1].fit, images)]
@@ -66,22 +66,12 @@ def _found(
     """
     if unread.left and warped.shows_nothing_rise(unread.left, others):
         return None
-    found = _unless_marks(look.images, warped, look.at_refused(unread, others))
+    found = unless_marks(look.images, warped, look.at_refused(unread, others))
     if found is not None or not is_whole:
         return found
     fading = replace(look, images=look.images.with_fading_limbs())
-    found = _unless_marks(fading.images, warped, fading.at_fading(unread, others))
-    return found or _unless_marks(look.images, warped, refused_in_its_shadow(look, warped, unread, others))
-
-
-def _unless_marks(images: Images, warped: WarpedViews, seen: Seen | None) -> Seen | None:
-    """A solid that is told from marks on the table, and not these in its place, or in that of some of it."""
-    if seen is None:
-        return None
-    fit = seen[1].fit
-    if not shows_height(fit, images) or not warped.is_told_from_marks(fit):
-        return None
-    return None if warped.is_seen_in_place_of(fit) or warped.is_seen_in_place_of_some(fit) else seen
+    found = unless_marks(fading.images, warped, fading.at_fading(unread, others))
+    return found or unless_marks(look.images, warped, refused_in_its_shadow(look, warped, unread, others))
 
 
 def _fits(found: Sequence[Seen]) -> list[SolidFit]:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 from marks import first_of
 from rendered_solids import FROM_ABOVE, RIG
-from rendering import Box, Cylinder, Scene, Solid, render_with_truth
+from rendering import Box, Cylinder, Scene, Solid, Sphere, render_with_truth
 from rendering.rigs import table_before
 
 from stereo_pick.core.arrays import Floats
+from stereo_pick.core.found_late import on_top
+from stereo_pick.core.frames import RectifiedPair
 from stereo_pick.core.pipeline import Pipeline, Steps
 from stereo_pick.core.poses import ObjectPoses
+from stereo_pick.core.shapes import SolidFit
 
 HIGH_M = 0.03
 LOWER = Box(0.0, 0.0, (0.07, 0.06, HIGH_M), yaw_rad=0.4, albedo=0.6)
@@ -63,3 +67,18 @@ def test_what_is_on_its_axis_or_flush_with_it_is_no_other(name: str, elevation_d
     assert apart_m[2:].min(axis=1).max() < 5e-4
     of_it = apart_m[:2].min(axis=0) < 0.06
     assert (poses.confidence[of_it] < 0.9).all()
+
+
+def test_nothing_stands_on_a_ball_nor_on_a_cylinder_that_lies(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = list[SolidFit]()
+
+    def noted(_pair: RectifiedPair, fit: SolidFit, _others: Sequence[SolidFit]) -> bool:
+        asked.append(fit)
+        return False
+
+    monkeypatch.setattr(on_top, "stands_out", noted)
+    ball = Sphere(0.0, 0.06, (0.04,) * 3, albedo=0.7)
+    lying = Cylinder(0.0, -0.05, (0.03, 0.03, 0.08), yaw_rad=0.5, albedo=0.7, lying=True)
+    assert len(found(ball, lying, elevation_deg=50.0).poses) == 4
+    assert sorted(fit.kind for fit in asked) == ["box", "cylinder"]
+    assert all(float(fit.size_m.max()) < 0.06 for fit in asked)
