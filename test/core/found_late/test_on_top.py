@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from marks import first_of
 from rendered_solids import FROM_ABOVE, RIG
-from rendering import Box, Cylinder, Scene, Solid, Sphere, render_with_truth
+from rendering import Box, Cylinder, HexPrism, Scene, Solid, Sphere, render_with_truth
 from rendering.rigs import table_before
 
 from stereo_pick.core.arrays import Floats
@@ -58,6 +58,29 @@ def test_a_part_on_another_one_is_found_and_so_is_the_lower_one(kind: str, eleva
     apart_m, poses = found(LOWER, ON_TOP[kind], elevation_deg=elevation_deg)
     assert apart_m.min(axis=1).max() < 5e-4 and len(poses) == 2 + len(BESIDE)
     assert poses.confidence.min() > 0.9
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "elevation_deg"),
+    first_of(
+        (
+            HexPrism(0.0, 0.0, (0.0555, 0.064, 0.0536), yaw_rad=-0.95, albedo=0.6),
+            Cylinder(-0.009, 0.006, (0.027, 0.027, 0.034), albedo=0.75, base_m=0.0536),
+            75.0,
+        ),
+        (
+            Box(0.0, 0.0, (0.096, 0.073, 0.0386), yaw_rad=0.3, albedo=0.57),
+            Cylinder(0.015, -0.008, (0.026, 0.026, 0.03), albedo=0.7, base_m=0.0386),
+            50.0,
+        ),
+    ),
+    ids=["on a prism", "on a box"],
+)
+def test_what_outlines_do_not_show_there_is_found_by_what_rises_from_the_top(
+    lower: Solid, upper: Solid, elevation_deg: float
+) -> None:
+    apart_m, _ = found(lower, upper, elevation_deg=elevation_deg)
+    assert apart_m.min(axis=1).max() < 5e-4
 
 
 @pytest.mark.parametrize("name", MORE_OF_IT)
