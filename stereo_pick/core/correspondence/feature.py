@@ -173,9 +173,7 @@ class Feature(Method):
 
     def _collected(self, rig: StereoRig, scene: Scene, marks: Sequence[Unread] = ()) -> Correspondences:
         together, table = scene.together, scene.together.table
-        flat = [
-            (each.left, each.right) for each in together.refused if each.reason == "flat" and each.left and each.right
-        ]
+        flat = [each.pair for each in together.refused if each.reason == "flat" and each.pair]
         prints = [] if self.flat_parts else prints_among(together.kept, rig, table, scene.is_known, flat)
         prints += [row for row in more_marks(together.kept, marks) if row not in prints]
         objects = [row for row in together.kept if row not in prints]

@@ -21,11 +21,11 @@ _POINTS = 200  # along an outline
 
 def bodies_below(refused: Sequence[Unread], beside: SolidFit, rig: StereoRig) -> list[BlobPair]:
     """The outlines of what would reach from faces, that are refused as flat, down to where a solid beside them ends."""
-    faces = [(each.fit, each.left, each.right) for each in refused if each.reason == "flat" and each.fit]
+    faces = [(each.fit, each.pair) for each in refused if each.reason == "flat" and each.fit and each.pair]
     return [
         (_drawn(body, left, rig, 0), _drawn(body, right, rig, 1))
-        for fit, left, right in faces
-        if left and right and (body := _down_to_end_of(beside, fit)) is not None
+        for fit, (left, right) in faces
+        if (body := _down_to_end_of(beside, fit)) is not None
     ]
 
 

@@ -42,7 +42,7 @@ def as_unsure_as_whole(
     """The same, each as unsure as its centre would move if what touches it and is refused, or is flush with it, sure or
     unsure, were a piece of it; and where two parts were cut apart, and one is none, the other may end elsewhere.
     warped: what lies there, and so is no piece of what stands there."""
-    others = [(each.left, each.right) for each in unread if each.left and each.right and each.reason != _SHADE]
+    others = [each.pair for each in unread if each.pair and each.reason != _SHADE]
     others += _alone_on_same_rows([each for each in unread if each.reason not in (_SHADE, _CUT)])
     fits = [where.fit for _, where in rows if where.fit]
 

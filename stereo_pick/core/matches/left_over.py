@@ -24,6 +24,11 @@ class Unread(NamedTuple):
     fit: SolidFit | None = None
 
     @property
+    def pair(self) -> tuple[Blob, Blob] | None:
+        """The outlines that both views show; None where one alone does."""
+        return (self.left, self.right) if self.left and self.right else None
+
+    @property
     def alone(self) -> Blob | None:
         """The outline that one view alone shows; None where both do."""
         return None if self.left and self.right else self.left or self.right
