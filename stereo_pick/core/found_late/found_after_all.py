@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from stereo_pick.core.doubts.beyond_solid import goes_on_beyond, is_part_of, is_seen_alone, is_seen_to_be_more
 from stereo_pick.core.edges.hypotheses import Images
-from stereo_pick.core.found_late.carried import own_outlines, without_edges
+from stereo_pick.core.found_late.carried import without_edges
 from stereo_pick.core.found_late.inscribed import discs_within
 from stereo_pick.core.found_late.last_look import MOST, LastLook, Seen, may_be_found
-from stereo_pick.core.found_late.on_top import with_those_on_top
+from stereo_pick.core.found_late.on_top import by_itself, with_those_on_top
 from stereo_pick.core.found_late.risen import all_risen
 from stereo_pick.core.found_late.shaded_foot import refused_in_its_shadow
 from stereo_pick.core.found_late.told_from_marks import unless_marks
@@ -18,7 +18,6 @@ from stereo_pick.core.matches.left_over import Unread
 from stereo_pick.core.objects import Blob
 from stereo_pick.core.places.located import TOP, is_flat
 from stereo_pick.core.places.overlap import covers
-from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.solid_fit import SolidFit
 from stereo_pick.core.tables.lying_flat import WarpedViews
 
@@ -46,13 +45,13 @@ def found_after_all(
     for piece in _risen(warped, _several(refused) + [each.left for each in aside if each.left], found):
         another = _found(look, warped, piece, _fits(found))
         if another is not None:
-            found.append(_by_itself(another, images.rig))
+            found.append(by_itself(another, images.rig))
     found += _within(look, warped, refused, found)
     outlines_px = [each.left.contour_px for each in refused if each.left]
     for risen in all_risen(warped.seen, warped.table, _fits(found), outlines_px)[:MOST]:
         another = unless_marks(look.images, warped, look.at_risen(risen, _fits(found)))
         if another is not None and not _is_a_piece(another, refused, images):
-            found.append(_by_itself(another, images.rig))
+            found.append(by_itself(another, images.rig))
             refused = [each for each in refused if not is_part_of(each, another[1].fit, images)]
     return with_those_on_top(images, look, found), refused
 
@@ -102,16 +101,10 @@ def _within(look: LastLook, warped: WarpedViews, refused: Sequence[Unread], foun
         if another is None or is_flat(another[1].fit, TOP):
             continue
         if disc.is_filled_by(another[1].fit, rig) and not _is_a_piece(another, refused, look.images):
-            more.append(_by_itself(another, rig))
+            more.append(by_itself(another, rig))
     return more
 
 
 def _is_a_piece(seen: Seen, refused: Sequence[Unread], images: Images) -> bool:
     """Whether one view shows, of one object that it has whole, more than that solid."""
     return any(is_seen_to_be_more(each, seen[1].fit, images) for each in refused)
-
-
-def _by_itself(seen: Seen, rig: StereoRig) -> Seen:
-    """The same with the outlines that the solid has: those that it was found in were none of its own."""
-    (blobs, where), there = seen
-    return (own_outlines(blobs, there.fit, rig), where), there

@@ -19,6 +19,7 @@ from stereo_pick.core.found_late.risen import all_risen
 from stereo_pick.core.found_late.told_from_marks import unless_marks
 from stereo_pick.core.matches.left_over import Unread
 from stereo_pick.core.places.position import BlobPair
+from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes.common_normal import ANGLE
 from stereo_pick.core.shapes.common_table import stands_on
 from stereo_pick.core.shapes.kinds import CYLINDER, SPHERE
@@ -37,8 +38,8 @@ def with_those_on_top(images: Images, look: LastLook, seen: Sequence[Seen]) -> l
     for i, lower in enumerate(seen):
         upper = _on_top(images, look, lower, [each.fit for _, each in found if each is not lower[1]])
         if upper is not None:
-            found[i] = _by_itself(lower, images)
-            found.append(_by_itself(upper, images))
+            found[i] = by_itself(lower, images.rig)
+            found.append(by_itself(upper, images.rig))
     return found
 
 
@@ -83,9 +84,10 @@ def _looked_for(top: WarpedViews, look: LastLook, blobs: BlobPair) -> Iterator[S
         yield look.at_refused(Unread("merged", without_edges(left, hull), None), others)
 
 
-def _by_itself(seen: Seen, images: Images) -> Seen:
+def by_itself(seen: Seen, rig: StereoRig) -> Seen:
+    """The same with the outlines that the solid has: those that it was found in were none of its own."""
     (blobs, where), there = seen
-    return (own_outlines(blobs, there.fit, images.rig), where), there
+    return (own_outlines(blobs, there.fit, rig), where), there
 
 
 def _has_a_top(fit: SolidFit, up: Floats) -> bool:
