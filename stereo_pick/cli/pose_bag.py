@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from rosbags.highlevel import AnyReader
 from rosbags.interfaces import Connection
-from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer, WriterError
 from rosbags.typesys import Stores, TypesysError, get_typestore
+from rosbags.typesys.store import Typestore
 
 from stereo_pick.core.errors import SourceError
 from stereo_pick.core.pipeline import Result
 from stereo_pick.core.poses import ObjectPoses
-from stereo_pick.sources.bag_reader import opened, raw_messages
+from stereo_pick.sources.bag_reader import opened, raw_messages, typestore_of
 from stereo_pick.sources.source import SourcePair
 
 TOPIC = "/object_poses"
@@ -47,15 +48,16 @@ def write_pose_bag(source: Path, output: Path, results: Iterable[tuple[SourcePai
 
 def _copy(source: Path, writer: Writer) -> None:
     with opened(source) as reader:
-        if not reader.is2:
+        if not isinstance(reader, Reader):
             raise SourceError(f"{source} is a ROS 1 bag: convert it with `rosbags-convert`, or choose a .jsonl output")
         if TOPIC in reader.topics:
             raise SourceError(f"{source} holds {TOPIC} already: give the recording without poses, or a .jsonl output")
+        types = cache(lambda: typestore_of(source))
         copies = {
             connection.id: writer.add_connection(
                 connection.topic,
                 connection.msgtype,
-                **_definition(connection, reader),
+                **_definition(connection, types),
                 offered_qos_profiles=connection.ext.offered_qos_profiles,  # type: ignore[union-attr]
             )
             for connection in reader.connections
@@ -64,11 +66,11 @@ def _copy(source: Path, writer: Writer) -> None:
             writer.write(copies[connection.id], recorded_ns, raw)
 
 
-def _definition(connection: Connection, reader: AnyReader) -> dict[str, Any]:
+def _definition(connection: Connection, types: Callable[[], Typestore]) -> dict[str, Any]:
     """The message's definition as it was recorded; older recordings lack it, or its hash."""
     if connection.msgdef.data and connection.digest:
         return {"msgdef": connection.msgdef.data, "rihs01": connection.digest}
-    return {"typestore": reader.typestore}
+    return {"typestore": types()}
 
 
 def _write_poses(writer: Writer, results: Iterable[tuple[SourcePair, Result]]) -> None:

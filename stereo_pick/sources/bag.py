@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rosbags.highlevel import AnyReader
 from rosbags.interfaces import TopicInfo
 
 from stereo_pick.core.arrays import Floats
@@ -16,7 +15,7 @@ from stereo_pick.core.errors import CalibrationError, ParameterError, SourceErro
 from stereo_pick.core.images import FULL_SCALE_16, ImageBuffer, decode_message, encode
 from stereo_pick.core.pairing import MOST_OFFSET_S, Pair, Side, StampOrder, StampPairer
 from stereo_pick.core.sensor_window import SensorWindow
-from stereo_pick.sources.bag_reader import Recorded, messages, opened
+from stereo_pick.sources.bag_reader import BagReader, Recorded, messages, opened
 from stereo_pick.sources.bag_topics import COMPRESSED_TYPE, camera_info_topic, choose_topics
 from stereo_pick.sources.source import SourcePair
 
@@ -134,7 +133,7 @@ class BagSource:
             self.full_scale_16,
         )
 
-    def _images(self, reader: AnyReader) -> Iterator[Recorded]:
+    def _images(self, reader: BagReader) -> Iterator[Recorded]:
         """The images, up to where the calibration they are used with no longer holds: SourceError."""
         images = (self.left_topic, self.right_topic)
         infos = (camera_info_topic(topic) for topic in images if self.uses_camera_info)
@@ -150,7 +149,7 @@ class BagSource:
                     "needs another calibration; cut the bag there, or give the calibration that holds for all of it"
                 )
 
-    def _camera(self, reader: AnyReader, name: str, topic: str) -> Camera | None:
+    def _camera(self, reader: BagReader, name: str, topic: str) -> Camera | None:
         for recorded in messages(self.path, reader, topic) if _is_info(reader, topic) else ():
             try:
                 return _camera(name, recorded.message)
@@ -159,7 +158,7 @@ class BagSource:
         return None
 
 
-def _is_info(reader: AnyReader, topic: str) -> bool:
+def _is_info(reader: BagReader, topic: str) -> bool:
     """Whether a topic is there, and holds what its name says."""
     return topic in reader.topics and reader.topics[topic].msgtype == _CAMERA_INFO_TYPE
 

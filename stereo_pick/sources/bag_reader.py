@@ -9,12 +9,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import apsw
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
+from rosbags.rosbag1 import Reader as Ros1Reader
 from rosbags.rosbag1 import ReaderError as Ros1ReaderError
+from rosbags.rosbag2 import Reader as Ros2Reader
 from rosbags.rosbag2 import ReaderError as Ros2ReaderError
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_typestore
@@ -29,6 +31,7 @@ else:
     from backports.zstd import ZstdError
 
 T = TypeVar("T")
+BagReader: TypeAlias = "Ros1Reader | Ros2Reader"
 
 _REFUSED = (AnyReaderError, Ros1ReaderError, Ros2ReaderError, SerdeError, TypesysError, apsw.Error)
 # rosbags reads lengths, offsets and names unchecked: these are what it meets where a byte is wrong or missing.
@@ -70,14 +73,14 @@ class Recorded:
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[AnyReader]:
+def opened(path: Path) -> Iterator[BagReader]:
     """Open a rosbag2 folder, a bare .mcap or .db3 file or a ROS 1 .bag file.
 
     Raises SourceError where there is none, or where it is damaged or of an unknown format.
     """
     storage = _storage(path)
     try:
-        reader = AnyReader([storage], default_typestore=_types(is_ros2=True))
+        reader = _reader(storage)
         reader.open()
     except _DAMAGED as error:
         raise _unreadable(path, "cannot be read", error, _metadata_remedy(path)) from None
@@ -87,12 +90,21 @@ def opened(path: Path) -> Iterator[AnyReader]:
         reader.close()
 
 
-def messages(path: Path, reader: AnyReader, *topics: str) -> Iterator[Recorded]:
+def typestore_of(path: Path) -> Typestore:
+    """The types of all messages of a bag, by its own definitions; SourceError where these cannot be read."""
+    try:
+        with AnyReader([_storage(path)], default_typestore=_types(is_ros2=True)) as reader:
+            return reader.typestore
+    except _DAMAGED as error:
+        raise _unreadable(path, "holds a message definition that cannot be read", error) from None
+
+
+def messages(path: Path, reader: BagReader, *topics: str) -> Iterator[Recorded]:
     """Yield the messages of the topics as a stream, up to the first damage, which raises SourceError."""
     return _up_to_damage(path, _messages(reader, topics))
 
 
-def raw_messages(path: Path, reader: AnyReader) -> Iterator[tuple[Connection, int, bytes]]:
+def raw_messages(path: Path, reader: BagReader) -> Iterator[tuple[Connection, int, bytes]]:
     """Yield every message with its topic and time [ns] as it was recorded, up to the first damage: SourceError."""
     return _up_to_damage(path, reader.messages())
 
@@ -110,13 +122,14 @@ def _up_to_damage(path: Path, recorded: Iterator[T]) -> Iterator[T]:
         yield message
 
 
-def _messages(reader: AnyReader, topics: tuple[str, ...]) -> Iterator[Recorded]:
+def _messages(reader: BagReader, topics: tuple[str, ...]) -> Iterator[Recorded]:
     connections = [connection for connection in reader.connections if connection.topic in topics]
     if not connections:
         return
     # The definitions in the bag may be damaged or missing, and those of sensor_msgs never changed.
-    types = _types(reader.is2)
-    deserialize = types.deserialize_cdr if reader.is2 else types.deserialize_ros1
+    is_ros2 = isinstance(reader, Ros2Reader)
+    types = _types(is_ros2)
+    deserialize = types.deserialize_cdr if is_ros2 else types.deserialize_ros1
     for connection, recorded_ns, raw in reader.messages(connections):
         yield Recorded(connection.topic, connection.msgtype, deserialize(raw, connection.msgtype), recorded_ns)
 
@@ -124,6 +137,11 @@ def _messages(reader: AnyReader, topics: tuple[str, ...]) -> Iterator[Recorded]:
 @lru_cache
 def _types(is_ros2: bool) -> Typestore:
     return get_typestore(Stores.ROS2_JAZZY if is_ros2 else Stores.ROS1_NOETIC)
+
+
+def _reader(storage: Path) -> BagReader:
+    # No AnyReader: it takes a folder named x.bag for ROS 1, and fails where it cannot read the definition of any topic.
+    return Ros1Reader(storage) if storage.is_file() and storage.suffix == ".bag" else Ros2Reader(storage)
 
 
 def _storage(path: Path) -> Path:
@@ -150,7 +168,7 @@ def _metadata_remedy(path: Path) -> str:
     try:
         files = _bag_files(path) if path.is_dir() else []
         for file in files:
-            with AnyReader([file], default_typestore=_types(is_ros2=True)):
+            with _reader(file):
                 pass
     except _DAMAGED:
         return ""

@@ -4,7 +4,7 @@ import re
 import sqlite3
 import sys
 import tracemalloc
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -114,10 +114,14 @@ def write_ros2(
     messages: Sequence[Message],
     plugin: StoragePlugin = StoragePlugin.MCAP,
     compression: CompressionMode = CompressionMode.NONE,
+    others: Mapping[str, str] | None = None,
 ) -> Path:
+    """others: further topics with the definitions of their type, without messages."""
     writer = Ros2Writer(path, version=9, storage_plugin=plugin)
     writer.set_compression(compression, CompressionFormat.ZSTD)
     with writer:
+        for topic, definition in (others or {}).items():
+            writer.add_connection(topic, "robot_msgs/msg/State", msgdef=definition, rihs01="RIHS01_" + "0" * 64)
         connections: dict[str, Any] = {}
         for message in messages:
             if message.topic not in connections:
@@ -238,6 +242,17 @@ def test_an_old_bag_without_message_definitions_is_read(tmp_path: Path) -> None:
     connection = sqlite3.connect(next(folder.glob("*.db3")))
     connection.executescript("UPDATE schema SET schema_version = 3; DROP TABLE message_definitions;")
     connection.close()
+    assert len(list(open_source(folder))) == 3
+
+
+def test_a_folder_of_ros2_named_like_a_bag_of_ros1_is_read(tmp_path: Path) -> None:
+    assert len(list(open_source(write_ros2(tmp_path / "cell.bag", stereo(3))))) == 3
+
+
+@pytest.mark.parametrize("definition", ["float64 x", "other_msgs/Thing x", "int64 a\n---\nint64 b"])
+def test_what_other_topics_hold_is_of_no_concern(tmp_path: Path, definition: str) -> None:
+    """A hash that does not fit, a definition that is not there, one that is no message's: a robot has many topics."""
+    folder = write_ros2(tmp_path / "bag", stereo(3), others={"/robot/state": definition})
     assert len(list(open_source(folder))) == 3
 
 
@@ -622,7 +637,8 @@ def test_a_missing_part_is_named(tmp_path: Path) -> None:
 def test_without_rosbags_it_is_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No ROS 2 brings it."""
     (tmp_path / "bag.mcap").touch()
-    monkeypatch.delitem(sys.modules, "stereo_pick.sources.bag")
+    for module in ("bag", "bag_reader"):
+        monkeypatch.delitem(sys.modules, f"stereo_pick.sources.{module}")
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
     with pytest.raises(SourceError, match=r"bag.mcap: bags need rosbags \(.*\): pip install rosbags"):
         open_source(tmp_path / "bag.mcap")
