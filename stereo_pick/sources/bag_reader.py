@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import struct
 import sys
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any, TypeAlias, TypeVar
 
 import apsw
@@ -180,6 +182,8 @@ def _unreadable(path: Path, fault: str, error: BaseException, remedy: str = "") 
     reason = text if isinstance(error, _REFUSED) else f"{type(error).__name__}: {text}"
     if isinstance(error, PermissionError):
         return SourceError(f"{path} {fault} ({error.strerror}): change its permissions")
+    if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+        remedy = f"it is compressed, and unpacked in {gettempdir()}: make room there, or name another folder by TMPDIR"
     if remedy:
         return SourceError(f"{path} {fault} ({reason}): {remedy}")
     suffixes = [file.suffix for file in _bag_files(path)] if path.is_dir() else [path.suffix]

@@ -9,6 +9,7 @@ from stereo_pick.core.images import FULL_SCALE_16
 from stereo_pick.sources.source import StereoSource
 
 BAG_SUFFIXES = (".mcap", ".db3", ".bag")
+_PACKED = (".mcap.zstd", ".db3.zstd")  # files of `ros2 bag record --compression-mode file`
 
 
 def open_source(
@@ -37,6 +38,12 @@ def open_source(
         except ModuleNotFoundError as error:
             raise SourceError(f"{path}: bags need rosbags ({error}): pip install rosbags") from None
         return BagSource.open(path, left_topic, right_topic, max_stamp_offset_s, uses_camera_info, full_scale_16)
+    packed = _packed_file(path)
+    if packed is not None:
+        raise SourceError(
+            f"{packed} is a file of a compressed bag: give the bag's folder, with its metadata.yaml, or unpack it "
+            f"(`zstd -d {packed.name} -o {packed.stem}`)"
+        )
     if path.is_dir():
         if left_topic or right_topic:
             raise SourceError(
@@ -45,10 +52,17 @@ def open_source(
         from stereo_pick.sources.images import ImageFolder
 
         return ImageFolder.open(path, rate_hz, full_scale_16)
-    raise SourceError(f"{path} is no bag ({', '.join(BAG_SUFFIXES)}) and no folder of image pairs")
+    folder = "; give the folder that it is in" if path.name == "metadata.yaml" else ""
+    raise SourceError(f"{path} is no bag ({', '.join(BAG_SUFFIXES)}) and no folder of image pairs{folder}")
 
 
 def _is_bag(path: Path) -> bool:
     if not path.is_dir():
         return path.is_file() and path.suffix in BAG_SUFFIXES
     return (path / "metadata.yaml").exists() or any(file.suffix in BAG_SUFFIXES for file in path.iterdir())
+
+
+def _packed_file(path: Path) -> Path | None:
+    """The file of a compressed bag that `path` is, or the first that it holds."""
+    files = sorted(path.iterdir()) if path.is_dir() else [path]
+    return next((file for file in files if file.name.endswith(_PACKED)), None)

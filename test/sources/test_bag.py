@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import errno
 import re
+import shutil
 import sqlite3
 import sys
 import tracemalloc
@@ -625,6 +627,31 @@ def test_a_cut_compressed_file_is_named(tmp_path: Path) -> None:
     count, error = drained(path)
     assert count == 0
     assert "EOFError" in str(error)
+
+
+@pytest.mark.parametrize("plugin", list(StoragePlugin))
+def test_a_compressed_file_without_its_folder_says_how_to_read_it(tmp_path: Path, plugin: StoragePlugin) -> None:
+    folder = write_ros2(tmp_path / "bag", stereo(2), plugin, CompressionMode.FILE)
+    file = storage_file(folder)
+    with pytest.raises(SourceError, match=r"metadata\.yaml is no bag .*; give the folder that it is in"):
+        open_source(folder / "metadata.yaml")
+    (folder / "metadata.yaml").unlink()
+    for path in (folder, file):
+        with pytest.raises(
+            SourceError, match=rf"is a file of a compressed bag: .*`zstd -d {file.name} -o {file.stem}`"
+        ):
+            open_source(path)
+
+
+def test_a_lack_of_room_to_unpack_is_no_damage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = write_ros2(tmp_path / "bag", stereo(2), compression=CompressionMode.FILE)
+
+    def full(*_: Any) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(shutil, "copyfileobj", full)
+    with pytest.raises(SourceError, match=r"No space left on device\): .* unpacked in .*name another folder by TMPDIR"):
+        open_source(folder)
 
 
 def test_a_missing_part_is_named(tmp_path: Path) -> None:
