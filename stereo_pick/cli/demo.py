@@ -28,6 +28,7 @@ _GATE_M = 0.03  # further away an estimate belongs to no true object
 _MAX_MEAN_DEPTH_ERROR_M = 0.0015
 _FASTEST, _SLOWEST = 0.1, 0.01  # of its speed, at which the bag is played
 _SLACK = 1.3  # by which a pair may take longer in the nodes than here
+_DOMAINS = range(91, 101)  # from 102 on Linux may have given their ports to others
 _TRIES = 3  # each at half the speed, where the machine got too busy for the one before
 
 _DESCRIPTION = """\
@@ -102,8 +103,8 @@ def run(args: argparse.Namespace) -> int:
         args.output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise ParameterError(f"--output {args.output} cannot be made: {error.strerror}; name a folder") from None
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))  # apart from a robot that is running
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    # A controller that waits for poses in the domain that is set must not get those of the demo.
+    os.environ |= {"ROS_DOMAIN_ID": str(own_domain()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     picture = args.output / "annotated.png"
     try:
         pair_s = _draw(bags / "demo", picture)
@@ -143,6 +144,12 @@ def rate_for(stamps_ns: Sequence[int], pair_s: float) -> float:
     """The speed at which nodes that need so long for a pair keep up with pairs of these stamps."""
     interval_s = (max(stamps_ns) - min(stamps_ns)) / 1e9 / max(len(stamps_ns) - 1, 1)
     return min(max(interval_s / (_SLACK * pair_s), _SLOWEST), _FASTEST)
+
+
+def own_domain() -> int:
+    """A ROS domain that hardly anything else is in: not the one that is set, and a high one."""
+    free = [domain for domain in _DOMAINS if str(domain) != os.environ.get("ROS_DOMAIN_ID")]
+    return free[os.getpid() % len(free)]
 
 
 def find_bags() -> Path:

@@ -360,6 +360,26 @@ def test_a_demo_that_is_stopped_before_it_plays_has_not_failed(
     assert capsys.readouterr().out == "demo: stopped before the first pair\n"
 
 
+def test_the_demo_keeps_its_poses_out_of_the_domain_that_is_set(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A robot's terminal has ROS_DOMAIN_ID set, and its controller would take the demo's poses for its own."""
+    played: list[tuple[str, str]] = []
+
+    def run_chain(*_: object) -> Outcome:
+        played.append((os.environ["ROS_DOMAIN_ID"], os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"]))
+        return Outcome(0, 0, 0, (), True)
+
+    monkeypatch.setattr(demo, "run_chain", run_chain)
+    monkeypatch.setattr(demo, "_draw", lambda *_: 1.0)
+    for domain in ("7", *map(str, range(91, 101))):
+        monkeypatch.setenv("ROS_DOMAIN_ID", domain)
+        monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+        assert main(["demo", "--output", str(tmp_path)]) == 0
+        own, discovery = played.pop()
+        assert own != domain and discovery == "LOCALHOST"
+
+
 @given(pair_s=st.floats(1e-3, 1e3), count=st.integers(1, 100))
 def test_the_demo_plays_no_faster_than_nodes_keep_up(pair_s: float, count: int) -> None:
     rate = demo.rate_for([n * 33_333_333 for n in range(count)], pair_s)
