@@ -23,6 +23,7 @@ from stereo_pick.core.configuration import correspondence_groups, triangulation_
 from stereo_pick.core.errors import ParameterError, SourceError
 from stereo_pick.core.parameter_groups import declared
 from stereo_pick.core.params import Value
+from stereo_pick.ros.shared_memory import lack_of_profile, lack_of_shared_memory
 from stereo_pick.sources.source import without_partner
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 _RATES = (0.01, 100.0)
 _START_S = 20.0
+_OF_DISCOVERY = ("ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_DISCOVERY_SERVER", "ROS_STATIC_PEERS")
 _SETTLE_S = 0.5
 _DISCOVERED_S = 4.0  # others in the domain: it takes 3 s now and then
 _QUIET_S = 1.0
@@ -130,6 +132,7 @@ def run_chain(
     with Chain(environment) as chain:
         _stop_on_signals(stop)
         monitor, others_known_s = Monitor(show, _complain), time.monotonic() + _DISCOVERED_S
+        warn(lack_of_profile(), lack_of_shared_memory())  # the nodes say so in their logs, which nobody sees
         try:
             if one_process:
                 _spin_until(others_known_s, monitor, stop)
@@ -166,7 +169,13 @@ def _start_downstream(chain: Chain, monitor: Monitor, values: Mapping[str, Value
         monitor.spin(_SPIN_S)
         chain.check()
         if time.monotonic() > deadline:
-            raise SourceError(f"the nodes found no way to each other within {_START_S:.0f} s: is the network blocked?")
+            raise SourceError(_no_way())
+
+
+def _no_way() -> str:
+    given = ", ".join(f"{name}={os.environ[name]}" for name in _OF_DISCOVERY if os.environ.get(name))
+    what = f"does {given} keep them apart, or is" if given else "is"
+    return f"the nodes found no way to each other within {_START_S:.0f} s: {what} the network blocked?"
 
 
 def _check_alone(monitor: Monitor, own_poses: int) -> None:

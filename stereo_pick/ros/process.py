@@ -20,7 +20,7 @@ from stereo_pick.core.errors import ParameterError, StereoPickError
 from stereo_pick.ros.misspelled import warn_of_misspelled
 from stereo_pick.ros.node import StepNode
 from stereo_pick.ros.qos_overrides import warn_of_vain_overrides
-from stereo_pick.ros.shared_memory import PROFILE, PROFILE_VARIABLE, lack_of_shared_memory
+from stereo_pick.ros.shared_memory import PROFILE, PROFILE_VARIABLE, lack_of_profile, lack_of_shared_memory
 from stereo_pick.ros.started_by import is_orphaned
 from stereo_pick.ros.unread_files import warn_of_unread
 
@@ -42,7 +42,7 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
     stop = threading.Event()
     context = Context()
     nodes: list[StepNode] = []
-    lack = lack_of_shared_memory()
+    lacks = (lack_of_profile(), lack_of_shared_memory())
 
     def end(*_: object) -> None:
         stop.set()
@@ -55,7 +55,7 @@ def run_nodes(factories: Sequence[NodeFactory], args: Sequence[str] | None = Non
         start_ros(context, args)
         for factory in factories:
             nodes.append(factory(context))
-        if lack:
+        for lack in filter(None, lacks):
             nodes[0].get_logger().warning(lack)
         warn_of_misspelled(nodes)
         warn_of_vain_overrides(nodes)

@@ -12,6 +12,17 @@ _SHARED_MEMORY = "/dev/shm"
 _SEGMENT_BYTES = 36_000_000  # what Fast DDS takes there for the profile's segment_size
 
 
+def lack_of_profile() -> str:
+    """What to say where the profile that the user chose is no file, which Fast DDS passes over; else nothing."""
+    chosen = os.environ.get(PROFILE_VARIABLE, "")
+    if not chosen or os.path.isfile(chosen):
+        return ""
+    return (
+        f"{PROFILE_VARIABLE} = {chosen} names no file: Fast DDS goes on without, and large images get lost on their "
+        "way; correct it, or unset it: then the package's own profile is used"
+    )
+
+
 def lack_of_shared_memory() -> str:
     """What to say where this process will get no shared memory for its images; nothing where it will."""
     if os.environ.get(PROFILE_VARIABLE) != str(PROFILE) or not os.path.isdir(_SHARED_MEMORY):

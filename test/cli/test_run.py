@@ -10,6 +10,7 @@ import pytest
 from stereo_pick.cli import run
 from stereo_pick.cli.chain import Chain
 from stereo_pick.cli.monitor import Monitor
+from stereo_pick.core.errors import SourceError
 
 
 class Late(Monitor):
@@ -56,3 +57,18 @@ def test_poses_that_nothing_can_send_or_that_a_node_has_told_of_are_not_waited_f
     assert waited_s(Late(1e9), Statuses(capture=1, correspondence=0), monkeypatch) < 2
     assert waited_s(Late(1e9, ("too dark",)), Statuses(capture=0, correspondence=None), monkeypatch) < 2
     assert waited_s(Late(1e9), Statuses(capture=0, correspondence=None), monkeypatch) < 15
+
+
+def test_what_keeps_nodes_apart_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Alone(Late):
+        def downstream_is_up(self) -> bool:
+            return False
+
+    monitor = Alone(1e9)
+    monkeypatch.setattr(run, "time", SimpleNamespace(monotonic=lambda: monitor.now_s))
+    monkeypatch.setattr(run, "DOWNSTREAM", ())
+    for name, value in (("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"), ("ROS_DISCOVERY_SERVER", "10.0.0.1:11811")):
+        monkeypatch.setenv(name, value)
+    set_ones = "ROS_AUTOMATIC_DISCOVERY_RANGE=OFF, ROS_DISCOVERY_SERVER=10.0.0.1:11811"
+    with pytest.raises(SourceError, match=f"no way to each other within 20 s: does {set_ones} keep them apart, or"):
+        run._start_downstream(Statuses(), monitor, {}, threading.Event())

@@ -21,6 +21,7 @@ from stereo_pick.ros.messages.cameras import camera_info_message
 from stereo_pick.ros.messages.diagnostics import ERROR
 from stereo_pick.ros.messages.images import image_message
 from stereo_pick.ros.process import start_ros
+from stereo_pick.ros.shared_memory import PROFILE_VARIABLE
 from stereo_pick.ros.topics import CAMERA_INFO, CAMERA_INFO_RECT, IMAGE_RAW, IMAGE_RECT, OBJECT_POSES, SIDES
 
 CONFIG = Path(__file__).parents[2] / "config" / "stereo_pick.yaml"
@@ -277,3 +278,11 @@ def test_a_node_tells_of_too_little_shared_memory(free_bytes: int, is_told: bool
     node = system.start(sys.executable, "-c", LITTLE_MEMORY.format(free_bytes=free_bytes) + start)
     node.wait_for_output("are the cameras running?")
     assert ("/dev/shm has only 30 MB left" in node.output) == is_told
+
+
+def test_a_node_and_a_run_tell_of_a_profile_that_is_not_there(system: System, tmp_path: Path) -> None:
+    """Fast DDS passes over it, and most images got lost as if there were no profile."""
+    absent = tmp_path / "profile.xml"
+    told = f"FASTRTPS_DEFAULT_PROFILES_FILE = {absent} names no file"
+    for start in ("stereo_pick.ros.nodes.rectification",), ("stereo_pick.cli.main", "run", "--source", str(DEMO_BAG)):
+        system.start(sys.executable, "-m", *start, **{PROFILE_VARIABLE: str(absent)}).wait_for_output(told)
