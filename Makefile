@@ -1,8 +1,8 @@
 # The environment lives in .venv, made once from the hashed lock; `make help` lists the targets.
 PYTHON ?= python3
-# A sourced ROS 2 must not mix in: .venv brings its own. Where Python may not keep its byte code every node
-# compiles all that it imports at each start.
-CLEAN_ENV := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u PYTHONDONTWRITEBYTECODE
+# A sourced ROS 2 must not mix in: .venv brings its own, with Fast DDS alone. Where Python may not keep its byte code
+# every node compiles all that it imports at each start.
+CLEAN_ENV := env -u PYTHONPATH -u LD_LIBRARY_PATH -u AMENT_PREFIX_PATH -u RMW_IMPLEMENTATION -u PYTHONDONTWRITEBYTECODE
 BIN := .venv/bin
 # Three tests at a time keep two cores busy, since nodes wait for each other; threads beside them would only get in
 # the way: a quarter of the time.
