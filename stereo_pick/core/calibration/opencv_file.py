@@ -30,8 +30,12 @@ def load_opencv(path: Path) -> StereoRig:
 
     Raises CalibrationError naming the file and the field.
     """
+    try:  # here, because OpenCV dies of a path that is not UTF-8
+        text = path.read_bytes().decode("utf-8", errors="replace")
+    except OSError as error:
+        raise CalibrationError(f"{path}: cannot be read: {error.strerror}") from None
     try:
-        storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
+        storage = cv2.FileStorage(text, cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
         opened = storage.isOpened()
     except (cv2.error, SystemError):
         opened = False
@@ -48,8 +52,8 @@ def load_opencv(path: Path) -> StereoRig:
 
 
 def save_opencv(rig: StereoRig, path: Path) -> None:
-    """Write a rig, in metres."""
-    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    """Write a rig, in metres; raises OSError, which OpenCV would not where the disk is full."""
+    storage = cv2.FileStorage(".yaml", cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
     storage.write("image_width", rig.left.width_px)
     storage.write("image_height", rig.left.height_px)
     storage.write("unit", "m")
@@ -66,7 +70,7 @@ def save_opencv(rig: StereoRig, path: Path) -> None:
     for number, camera in enumerate((rig.left, rig.right), 1):
         if camera.distortion_model == _FISHEYE:
             storage.write(f"distortion_model{number}", _FISHEYE)
-    storage.release()
+    path.write_text(storage.releaseAndGetString(), encoding="utf-8")
 
 
 def _rig_from_storage(storage: cv2.FileStorage) -> StereoRig:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +15,7 @@ import yaml
 from rigs import RIGS, camera, looking_at, rotation, thesis_cameras
 
 from stereo_pick.core.calibration.files import load_camera_info, load_rig, save_rig
-from stereo_pick.core.calibration.opencv_file import load_opencv
+from stereo_pick.core.calibration.opencv_file import load_opencv, save_opencv
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.rig import StereoRig
 
@@ -127,6 +130,25 @@ def test_a_bad_opencv_file_is_refused_with_the_file_and_the_field(
     write_opencv(path, 1.0, wrong.pop("unit", None), **wrong)
     with pytest.raises(CalibrationError, match=f"stereo.yaml: .*{complaint}"):
         load_opencv(path)
+
+
+def test_an_opencv_file_may_have_any_name(folder: Path) -> None:
+    """OpenCV dies of one that is not UTF-8, as of an old disk or another system, by a segmentation fault."""
+    script = (
+        "import sys; from pathlib import Path; from stereo_pick.core.calibration.files import load_rig, save_rig\n"
+        "rig, folder = load_rig(Path(sys.argv[1])), Path(sys.argv[2])\n"
+        "save_rig(rig, folder); load_rig(folder / 'stereo.yaml')"
+    )
+    named = folder / os.fsdecode(b"r\xf6hre")
+    done = subprocess.run([sys.executable, "-c", script, folder, named], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert_same(load_rig(named / "stereo.yaml"), load_rig(folder))
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a full disk")
+def test_an_opencv_file_that_a_full_disk_cuts_short_is_an_error() -> None:
+    with pytest.raises(OSError, match="No space left"):
+        save_opencv(RIGS["thesis"], Path("/dev/full"))
 
 
 def test_an_opencv_file_is_refused_wherever_it_is_cut(tmp_path: Path) -> None:
