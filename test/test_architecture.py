@@ -26,6 +26,7 @@ PARTS = {
 # The modules and subpackages of core, each importing only what stands before it.
 CORE_LAYERS = (
     "errors",
+    "drafts",
     "arrays",
     "sampling",
     "noise",

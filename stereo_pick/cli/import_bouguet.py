@@ -10,6 +10,7 @@ from typing import Any
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.calibration.bouguet import METRES_PER_UNIT, rig_from_bouguet
 from stereo_pick.core.calibration.files import save_rig
+from stereo_pick.core.drafts import renewed
 from stereo_pick.core.errors import CalibrationError
 
 _PIP = "pip install scipy"
@@ -50,7 +51,8 @@ def run(args: argparse.Namespace) -> int:
     except CalibrationError as error:
         raise CalibrationError(f"{args.file}: {error}") from None
     try:
-        written = save_rig(rig, args.output)
+        with renewed(args.output) as draft:
+            written = [args.output / file.name for file in save_rig(rig, draft)]
     except OSError as error:
         raise CalibrationError(f"--output {args.output} cannot be written: {error.strerror}") from None
     print(f"images    {rig.left.width_px} x {rig.left.height_px}")

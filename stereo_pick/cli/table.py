@@ -17,6 +17,7 @@ from stereo_pick.core.calibration.any_board import Board, parse_board
 from stereo_pick.core.calibration.collecting import first_view
 from stereo_pick.core.calibration.detection import BoardImages
 from stereo_pick.core.calibration.views import BoardView
+from stereo_pick.core.drafts import drafted
 from stereo_pick.core.errors import CalibrationError, ParameterError
 from stereo_pick.core.frames import check_size
 from stereo_pick.core.measured_table import MeasuredTable, table_under
@@ -108,6 +109,7 @@ def _look(pair: BoardImages, board: Board, rig: StereoRig) -> BoardView | None:
 def _write(path: Path, measured: MeasuredTable) -> None:
     parameters = {"/**/correspondence": {"ros__parameters": {"feature": {"table": measured.table.text}}}}
     try:
-        path.write_text(yaml.safe_dump(parameters), encoding="utf-8")
+        with drafted(path) as draft:
+            draft.write_text(yaml.safe_dump(parameters), encoding="utf-8")
     except OSError as error:
         raise ParameterError(f"--output {path} cannot be written: {error.strerror}") from None

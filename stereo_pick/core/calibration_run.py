@@ -15,6 +15,7 @@ from stereo_pick.core.calibration.solving import calibrate_best
 from stereo_pick.core.calibration.verdict import Verdict, Word, check_baseline, judge
 from stereo_pick.core.calibration_page.evidence import typical_view
 from stereo_pick.core.calibration_page.page import calibration_page, refusal_page, save_page
+from stereo_pick.core.drafts import renewed
 from stereo_pick.core.errors import CalibrationError
 
 
@@ -49,9 +50,15 @@ class CalibrationRun:
         if self.result is None or self.verdict.word is Word.REFUSED:
             raise self._refusal(folder)
         try:
-            return [*save_rig(self.result.rig, folder), save_record(self.result, folder), save_page(self.page, folder)]
+            with renewed(folder) as draft:
+                files = [
+                    *save_rig(self.result.rig, draft),
+                    save_record(self.result, draft),
+                    save_page(self.page, draft),
+                ]
         except OSError as error:
             raise CalibrationError(f"output {folder} cannot be written: {error.strerror}") from None
+        return [folder / file.name for file in files]
 
     def _refusal(self, folder: Path) -> CalibrationError:
         reason = "; ".join(self.verdict.reasons)

@@ -11,6 +11,7 @@ import yaml
 
 from stereo_pick.core.arrays import floats
 from stereo_pick.core.calibration.fingerprint import calibration_hash
+from stereo_pick.core.drafts import drafted
 from stereo_pick.core.errors import CalibrationError
 from stereo_pick.core.hand_eye.reach import check_reach
 from stereo_pick.core.hand_eye.recording import about, read_mapping, read_pose
@@ -61,7 +62,8 @@ def save_hand_eye(framed: FramedHandEye, path: Path) -> None:
     content = yaml.safe_dump(_to_mapping(framed), sort_keys=False, default_flow_style=None, width=120)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(f"# {_NOTE}\n{content}", encoding="utf-8")
+        with drafted(path) as draft:
+            draft.write_text(f"# {_NOTE}\n{content}", encoding="utf-8")
     except OSError as error:
         raise CalibrationError(f"{path} cannot be written: {error.strerror}") from None
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stereo_pick.core.drafts import drafted
 from stereo_pick.core.errors import ImageError, StereoPickError
 from stereo_pick.core.objects.learned import LearnedBackground, LearnedView
 
@@ -16,10 +17,9 @@ _REMEDY = "learn it again with `stereo-pick background`"
 
 def save_background(path: Path, background: LearnedBackground) -> None:
     """Write it, replacing the file as a whole; raises ImageError where that is not possible."""
-    part = path.with_name(path.name + ".part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with part.open("wb") as file:
+        with drafted(path) as draft, draft.open("wb") as file:
             np.savez_compressed(
                 file,
                 format=np.array(_FORMAT),
@@ -30,7 +30,6 @@ def save_background(path: Path, background: LearnedBackground) -> None:
                 right_mean=background.right.mean,
                 right_noise=background.right.noise,
             )
-        part.replace(path)
     except OSError as error:
         raise ImageError(f"background file {path} cannot be written: {error.strerror}") from None
 

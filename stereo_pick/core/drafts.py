@@ -1,0 +1,36 @@
+"""Files that take the place of others as a whole: a full disk or Ctrl-C leaves those that were there, and no scraps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+
+@contextmanager
+def drafted(path: Path) -> Iterator[Path]:
+    """A file to write, which becomes `path` once it is written. OSError where that fails."""
+    if path.exists() and not path.is_file():  # /dev/stdout and /dev/null must stay what they are
+        yield path
+        return
+    file = path.resolve()
+    draft = file.with_name(f".{file.name}.new")
+    try:
+        yield draft
+        draft.replace(file)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+@contextmanager
+def renewed(folder: Path) -> Iterator[Path]:
+    """A folder to write files into, which go to `folder`, which is made, once all are written: they belong together.
+
+    OSError where that fails.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    with TemporaryDirectory(prefix=".new_", dir=folder, ignore_cleanup_errors=True) as made:
+        yield Path(made)
+        for file in sorted(Path(made).iterdir()):
+            file.replace(folder / file.name)
