@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import errno
+import io
 import os
 import re
 import sys
@@ -31,6 +32,7 @@ _OF_ROS = re.compile(r"_?rclpy|rpyutils|std_srvs|\w+_(msgs|interfaces)")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return its exit status."""
     try:
+        _print_anything()
         args = _parser().parse_args(argv)
         status = int(args.run(args))
         print(end="", flush=True)  # what fails later nobody catches
@@ -40,6 +42,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         if told is None:
             raise
         return told
+
+
+def _print_anything() -> None:
+    """Print what the terminal's encoding lacks, as ± in ASCII or a file's name that is not UTF-8, by its code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 def _is_ctrl_c(error: BaseException | None) -> bool:

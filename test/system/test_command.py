@@ -387,6 +387,17 @@ def test_the_demo_plays_no_faster_than_nodes_keep_up(pair_s: float, count: int) 
     assert rate == 0.01 or count == 1 or 0.033_333_333 / rate > 1.2 * pair_s
 
 
+def test_a_terminal_that_lacks_a_letter_gets_its_code(tmp_path: Path) -> None:
+    output = tmp_path / os.fsdecode(b"b\xf6ard.svg")
+    for encoding, name in (("ascii", r"b\udcf6ard.svg"), ("utf-8:strict", r"b\udcf6ard.svg")):
+        done = stereo_pick(
+            *("board", "--board", "9x6", "--square", "0.02", "--output", output),
+            env={**os.environ, "PYTHONIOENCODING": encoding},
+        )
+        assert (done.status, done.stderr) == (0, "")
+        assert name in done.stdout
+
+
 @pytest.mark.parametrize("command", ["", "run", "locate", "replay", "calibrate", "parameters", "demo"])
 def test_help_says_what_it_does_and_how(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
