@@ -185,7 +185,7 @@ def _check_alone(monitor: Monitor, own_poses: int) -> None:
     domain = int(os.environ.get("ROS_DOMAIN_ID") or 0)
     raise SourceError(
         f"something else publishes {topic} in ROS domain {domain}, and its poses would mix with these: end it (once "
-        f"killed it is forgotten after some 20 s), or take a domain of your own: ROS_DOMAIN_ID={domain + 1}"
+        f"killed it is forgotten after some 20 s), or take a domain of your own: ROS_DOMAIN_ID={(domain + 1) % 101}"
     )
 
 

@@ -49,3 +49,10 @@ def test_run_says_why_ros_does_not_start(tmp_path: Path) -> None:
         error = stereo_pick("run", "--source", DEMO_BAG, env=environment(0) | {name: value}).error
         assert "ROS 2 does not start (failed to initialize" in error
         assert "or the environment (ROS_DOMAIN_ID, ROS_LOG_DIR)" in error
+
+
+def test_a_domain_that_dds_does_not_have_is_named() -> None:
+    """Fast DDS ends the process, with lines of its own."""
+    done = stereo_pick("run", "--source", DEMO_BAG, env=environment(233))
+    assert done.error == "stereo-pick: error: ROS_DOMAIN_ID = 233 is outside its range 0 .. 232"
+    assert done.stdout == ""
