@@ -15,6 +15,7 @@ from stereo_pick.cli.report import result_mapping, result_text
 from stereo_pick.core.annotation import annotate
 from stereo_pick.core.calibration.files import load_rig
 from stereo_pick.core.configuration import steps
+from stereo_pick.core.drafts import drafted
 from stereo_pick.core.errors import ImageError
 from stereo_pick.core.frames import StereoFrame
 from stereo_pick.core.images import read_image
@@ -96,6 +97,8 @@ def write_picture(path: Path, result: Result) -> None:
     if not encoded:
         raise ImageError(f"{path} cannot be written: give a .png or .jpg file")
     try:
-        path.write_bytes(data.tobytes())
+        with drafted(path) as draft:
+            draft.write_bytes(data.tobytes())
     except OSError as error:
-        raise ImageError(f"{path} cannot be written: {error.strerror}; give a file in a folder that exists") from None
+        remedy = "; give a file in a folder that exists" if isinstance(error, FileNotFoundError) else ""
+        raise ImageError(f"{path} cannot be written: {error.strerror}{remedy}") from None

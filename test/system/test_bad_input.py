@@ -277,6 +277,7 @@ def test_a_picture_in_the_place_of_an_image_is_refused_by_locate(good: Good, tmp
     [
         ("/proc/seen.png", "No such file or directory; give a file in a folder that exists"),
         ("folder.png", "Is a directory"),
+        ("full.png", "No space left on device"),
         ("seen.txt", "give a .png or .jpg file"),
     ],
 )
@@ -284,9 +285,11 @@ def test_a_picture_that_cannot_be_written_is_refused_by_locate_with_the_reason(
     name: str, reason: str, good: Good, tmp_path: Path
 ) -> None:
     (tmp_path / "folder.png").mkdir()
+    (tmp_path / "full.png").symlink_to("/dev/full")
     images = [good.images / f"{side}00.png" for side in ("left", "right")]
     done = stereo_pick_here("locate", *images, "--calibration", DEMO_RIG, "--picture", tmp_path / name)
     the_line(done.error, [f"{tmp_path / name} cannot be written: {reason}"])
+    assert done.error.endswith(reason)
 
 
 def test_an_output_in_the_place_of_the_recording_is_refused_by_replay(good: Good, tmp_path: Path) -> None:
