@@ -77,6 +77,7 @@ class RawPairs:
         self._patience_s = max_stamp_offset_s + _ON_ITS_WAY_S
         self._quiet_s = 0.0
         self._first_ns: int | None = None
+        self._published_ns: int | None = None  # since when somebody publishes what does not arrive
         self._last_ns.clear()
         self._pauses_ns: deque[int] = deque(maxlen=_RECENT)
         for others in self._since_ns.values():
@@ -100,6 +101,7 @@ class RawPairs:
             return Status(self.missing_level(), self._why_no_pair())
         silent = [self._node.resolve_topic_name(IMAGE_RAW[side].name) for side in self._silent()]
         if not silent:
+            self._published_ns = None
             if self._faults:
                 return Status(ERROR, self._fault())
             return self._node.mixed() or self._many_unpaired() or self._all_alike()
@@ -135,7 +137,14 @@ class RawPairs:
                 f" It is published as {' and '.join(others)}, not as {_TYPE}: remap to the raw images, or have "
                 "image_transport's republish make them"
             )
-        return f" It is published: if the camera does run, {_LOST_ON_THE_WAY}" if all(types) else ""
+        if not all(types):
+            self._published_ns = None
+            return ""
+        if self._published_ns is None:
+            self._published_ns = self._now_ns()
+        if self._now_ns() - self._published_ns < _SILENT_AFTER_S * 1e9:  # as a driver that has just started
+            return ""
+        return f" It is published: if the camera does run, {_LOST_ON_THE_WAY}"
 
     def _many_unpaired(self) -> Status | None:
         """What to say where most of the last images found no partner."""

@@ -138,7 +138,10 @@ def test_rectification_tells_of_the_profile_only_where_somebody_publishes(graph:
     graph.wait(told(graph, "rectification", WARN, "/left/image_raw", "are the cameras running?"), "nobody publishes")
     assert "profile" not in graph.statuses()["rectification"][1]
     Cameras(graph)
-    graph.wait(told(graph, "rectification", WARN, "are the cameras running?", "Fast DDS profile"), "they are published")
+    graph.wait(lambda: all(graph.node.count_publishers(IMAGE_RAW[side].name) for side in SIDES), "they are published")
+    began_s = time.monotonic()
+    graph.wait(told(graph, "rectification", WARN, "are the cameras running?", "Fast DDS profile"), "nothing comes")
+    assert time.monotonic() - began_s > 0.45, "it is not said of every driver that starts after the nodes"
 
 
 def test_rectification_names_the_type_that_is_published_in_place_of_images(graph: Graph) -> None:
