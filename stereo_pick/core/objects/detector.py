@@ -98,7 +98,7 @@ class Detector(Configurable):
         try:
             return self._learned
         except ImageError as error:
-            raise ParameterError(str(error)) from None
+            raise ParameterError(f"background_file: {error}") from None
 
     def detect(self, pair: RectifiedPair) -> Blobs:
         """Return the objects of both views, left to right.
