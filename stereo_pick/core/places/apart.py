@@ -16,7 +16,7 @@ from stereo_pick.core.objects import Blob, Blobs
 from stereo_pick.core.objects.splitting import split
 from stereo_pick.core.places.cut_together import Way, is_told, ways_to_cut
 from stereo_pick.core.places.located import TOP, is_flat
-from stereo_pick.core.places.overlap import one_in_each_place
+from stereo_pick.core.places.overlap import are_one, one_in_each_place
 from stereo_pick.core.places.position import BlobPair, Located, Row
 
 _ROUNDS = 3  # a part may still be several
@@ -92,7 +92,7 @@ def _opened(blobs: Blobs, parts: dict[Blob, list[Blob]], rows: list[Row]) -> tup
 
 
 def _are_one(one: Located, other: Located) -> bool:
-    return one.fit is not None and other.fit is not None and one.fit.coincides_with(other.fit)
+    return one.fit is not None and other.fit is not None and are_one(one.fit, other.fit)
 
 
 def _each_alone(sides: Sequence[Sequence[Blob]], parts: dict[Blob, list[Blob]], matching: Matching) -> list[Row]:

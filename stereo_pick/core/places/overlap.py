@@ -8,7 +8,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from stereo_pick.core.arrays import Floats
+from stereo_pick.core.arrays import Bools, Floats
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.places.position import Located, Row
 from stereo_pick.core.rig import StereoRig
@@ -42,10 +42,20 @@ def reach_into_each_other(one: SolidFit, other: SolidFit) -> bool:
     return _reaches_into(one, other) or _reaches_into(other, one)
 
 
+def are_one(one: SolidFit, other: SolidFit) -> bool:
+    """Whether two solids are the same, about: all that is well within the sides of either lies within the other's."""
+    return bool(_inner_within(one, other, 1.0).all() and _inner_within(other, one, 1.0).all())
+
+
 def _reaches_into(one: SolidFit, other: SolidFit) -> bool:
+    return bool(_inner_within(one, other, _WELL_WITHIN).any())
+
+
+def _inner_within(one: SolidFit, other: SolidFit, share: float) -> Bools:
+    """Which points (N,) well within the sides of one lie within that share of the other's half sizes."""
     points_m = one.centre_m + _INNER * one.size_m / 2 @ one.rotation.T
     own = (points_m - other.centre_m) @ other.rotation
-    return bool((np.abs(own) < _WELL_WITHIN * other.size_m / 2).all(axis=1).any())
+    return np.asarray((np.abs(own) < share * other.size_m / 2).all(axis=1))
 
 
 def goes_on_as(one: SolidFit, other: SolidFit) -> bool:

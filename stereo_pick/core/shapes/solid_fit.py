@@ -64,10 +64,6 @@ class SolidFit:
         """Whether the centre of one of the two lies within the other's sides."""
         return self.contains_centre_of(other) or other.contains_centre_of(self)
 
-    def coincides_with(self, other: SolidFit) -> bool:
-        """Whether both are at one place: the centre of each lies within the other's sides."""
-        return self.contains_centre_of(other) and other.contains_centre_of(self)
-
     def contains_centre_of(self, other: SolidFit) -> bool:
         """Whether the other's centre lies within its own sides."""
         return bool((np.abs((other.centre_m - self.centre_m) @ self.rotation) < self.size_m / 2).all())

@@ -151,3 +151,21 @@ def test_an_angle_bracket_is_not_placed_surely_at_one_of_its_flanges(thick_m: fl
     off = poses.xyz[near] - whole
     surprise = [each @ np.linalg.solve(spread, each) for each, spread in zip(off, poses.covariance[near])]
     assert max(surprise, default=0.0) < 16 and len(poses) == 2 + near.sum()
+
+
+@pytest.mark.parametrize("yaw_rad", first_of(0.4, 0.2, 0.6, 0.9))
+def test_a_cross_is_not_placed_surely_at_its_arms(yaw_rad: float) -> None:
+    """Two bars that go through each other: where both are found, neither may take the other one's outline along."""
+    long, thick, high = 0.05, 0.014, 0.03
+    arm, off = (long - thick) / 2, (long + thick) / 4
+    bar = Box(0.0, 0.0, (long, thick, high), yaw_rad=yaw_rad, albedo=0.7)
+    arms = (
+        Box(-side * np.sin(yaw_rad), side * np.cos(yaw_rad), (thick, arm, high), yaw_rad=yaw_rad, albedo=0.7)
+        for side in (-off, off)
+    )
+    scene = Scene((bar, *arms), PLACED, ambient=0.6)
+    _, matches = (steps := Steps(method=Feature())).correspond(rectified(RIG, scene))
+    poses = steps.locate(matches, RIG, 0)
+    off_m = poses.xyz - scene.positions_m()[0]
+    surprise = [each @ np.linalg.solve(spread, each) for each, spread in zip(off_m, poses.covariance)]
+    assert max(surprise, default=0.0) < 16

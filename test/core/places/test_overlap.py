@@ -7,7 +7,7 @@ from rigs import RIGS
 
 from stereo_pick.core.arrays import Floats
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.places.overlap import goes_on_as, none_behind_another, one_in_each_place
+from stereo_pick.core.places.overlap import are_one, goes_on_as, none_behind_another, one_in_each_place
 from stereo_pick.core.places.position import Located, Row
 from stereo_pick.core.shapes import SolidFit
 
@@ -28,6 +28,13 @@ def test_parts_that_touch_are_apart_and_parts_inside_each_other_are_not() -> Non
     small, large = box(0.0, np.full(3, 0.01)), box(0.018, np.full(3, 0.04))
     assert not box(0.041, np.full(3, 0.04)).overlaps(box(0.0, np.full(3, 0.04)))
     assert small.overlaps(large) and large.overlaps(small)
+
+
+def test_what_is_read_twice_is_one_and_bars_that_cross_are_two() -> None:
+    bar, across = box(0.0, np.array([0.06, 0.016, 0.022])), box(0.0, np.array([0.016, 0.06, 0.022]))
+    again, shorter = box(0.004, np.array([0.056, 0.017, 0.022])), box(0.0, np.array([0.03, 0.016, 0.022]))
+    assert are_one(bar, bar) and are_one(bar, again)
+    assert not are_one(bar, across) and not are_one(bar, shorter) and not are_one(shorter, bar)
 
 
 def test_what_is_hidden_from_one_camera_only_may_be_seen_by_the_other() -> None:
