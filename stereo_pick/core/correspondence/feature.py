@@ -33,6 +33,7 @@ from stereo_pick.core.rig import StereoRig
 from stereo_pick.core.shapes import SolidFit, common_normal
 from stereo_pick.core.shapes.common_table import common_table, stands_on
 from stereo_pick.core.shapes.table import FOUND, NONE, Table
+from stereo_pick.core.tables.checkered import told_from_boards
 from stereo_pick.core.tables.given_table import misplaced_m
 from stereo_pick.core.tables.grain import grained_table
 from stereo_pick.core.tables.marks import marks_among, more_marks
@@ -136,16 +137,20 @@ class Feature(Method):
         marked = self._on_marks(reader, blobs)
         if marked is not None:
             return marked
+        blobs, printed = self._told_from_boards(blobs, similarity)
         looks = self._looks(reader, blobs)
         known = self._known_table(pair, blobs, looks.fits)
         if known is not None and self.table != FOUND and (off_m := misplaced_m(known, looks.fits)) is not None:
             unread = reader.read(looks.first, None).unread
-            return collect([], [*_off_table(looks.kept, off_m), *(each.refusal for each in unread)])
+            return collect([], [*_off_table(looks.kept, off_m), *(each.refusal for each in [*unread, *printed])])
         if known is not None or self.table != FOUND:
             there = FoundTable(known, True) if known else None
-            return self._collected(pair.rig, scene_on(reader, looks, there, self.edge_radius_m))
+            return self._collected(pair.rig, scene_on(reader, looks, there, self.edge_radius_m), printed)
         shaded = partial(shaded_tables, pair, self.disparities_px(pair.rig))
-        return self._collected(pair.rig, scene_on_found_table(reader, looks, shaded, self.edge_radius_m))
+        return self._collected(pair.rig, scene_on_found_table(reader, looks, shaded, self.edge_radius_m), printed)
+
+    def _told_from_boards(self, blobs: Blobs, similarity: Similarity) -> tuple[Blobs, list[Unread]]:
+        return (blobs, []) if self.flat_parts or self.assignment == "area" else told_from_boards(blobs, similarity)
 
     def _looks(self, reader: Reader, blobs: Blobs) -> FirstLooks:
         if self.assignment == "area":
