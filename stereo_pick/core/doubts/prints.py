@@ -12,7 +12,7 @@ import numpy as np
 
 from stereo_pick.core.camera import Camera
 from stereo_pick.core.objects import Blob
-from stereo_pick.core.places.located import SHARP_LIMB, refused_as
+from stereo_pick.core.places.located import ends_sharply, refused_as
 from stereo_pick.core.places.one_plane import FACING, FLAT_PX, Sides, common_plane, height_m, plane_with
 from stereo_pick.core.places.position import BlobPair, Located, Row
 from stereo_pick.core.rig import StereoRig
@@ -130,7 +130,7 @@ def _most_on_one_plane(flat: Sequence[Outlined]) -> list[Outlined]:
 
 def _may_be_flat(blobs: BlobPair, where: Located, rig: StereoRig) -> bool:
     """Whether one outline is sharp, and they are not one face of a solid that shows more."""
-    if not any(len(blob.sharpness) and float(np.median(blob.sharpness)) > SHARP_LIMB for blob in blobs):
+    if not any(ends_sharply(blob) for blob in blobs):
         return False
     return where.fit is None or not _is_a_face_of(blobs, where.fit, rig, _ALL)
 

@@ -15,7 +15,7 @@ from stereo_pick.core.edges.adjusted import is_astray
 from stereo_pick.core.edges.hypotheses import Images
 from stereo_pick.core.edges.supported import Supported
 from stereo_pick.core.edges.tubes import tube_of
-from stereo_pick.core.objects.blob import CUT, MAY_BE_CUT, SHARP
+from stereo_pick.core.objects.blob import CUT, MAY_BE_CUT, SHARP, Blob
 from stereo_pick.core.objects.splitting import may_be_two
 from stereo_pick.core.places.one_plane import shows_one_face
 from stereo_pick.core.places.position import (
@@ -37,7 +37,7 @@ _MAY_FADE_UNEXPLAINED = 0.15  # ... and where the outline is all that is known
 _SLIGHT = 0.25  # of max_concavity
 _NOTCH, _FADES = 0.5, 0.02  # of max_concavity, of the outline, in both views: light fades where the notch is
 _COMPLETE = 0.05  # ... and where its centroid is more precise than the solid's
-SHARP_LIMB = 0.75  # of an outline: the light on a round body fades towards it, that on what is flat ends there
+_SHARP_LIMB = 0.75  # of an outline: the light on a round body fades towards it, that on what is flat ends there
 _SURELY_SHARP = 0.5
 _SURELY_ONE = 0.9  # part of a notched outline from which on a tube that it lies on is the reason for the notch
 _FLAT = 0.08  # thickness by length of what may be a print
@@ -164,6 +164,11 @@ def is_flat(fit: SolidFit, flat: float = _FLAT) -> bool:
     return fit.flatness < flat
 
 
+def ends_sharply(blob: Blob) -> bool:
+    """Whether the edge of an outline is as sharp as those of what is flat: the light on a round body fades there."""
+    return bool(len(blob.sharpness)) and float(np.median(blob.sharpness)) > _SHARP_LIMB
+
+
 def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> Supported | None:
     """A longer solid that makes this one doubtful.
 
@@ -172,7 +177,7 @@ def _longer(images: Images, outlines: Pair, blobs: BlobPair, fit: SolidFit) -> S
     """
     if fit.kind != SPHERE.name:
         return images.contradicts(fit.solid)
-    if min(float(np.median(blob.sharpness)) for blob in blobs) < SHARP_LIMB:
+    if not all(ends_sharply(blob) for blob in blobs):
         return None
     longer = images.contradicts(images.of_kind(outlines, CYLINDER)[0])
     return longer if longer is not None and longer.believable else None

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from families import staged
 from grain_on_planes import NO_OBJECTS
 from marks import first_of
+from outlines import PARALLEL, blank_pair, disc
 from rendering import Box, Cylinder, Scene, Sphere, render
 from rendering.rigs import table_before
 from rigs import RIGS, rotation
@@ -26,6 +29,7 @@ from stereo_pick.core.rectification import Rectifier
 from stereo_pick.core.refusal import count_reasons
 from stereo_pick.core.shapes import SolidFit
 from stereo_pick.core.shapes.table import Table
+from stereo_pick.core.tables.on_table import OnTable
 
 RIG = RIGS["thesis"]
 PLACED = table_before(RIG, 0.9, elevation_deg=45)
@@ -74,6 +78,21 @@ def test_a_part_held_above_the_table_stays_where_it_is() -> None:
     scene = Scene(parts, PLACED, ambient=0.7)
     poses = poses_of(scene)
     assert len(poses) == 3 and (off_m(poses.xyz, scene.positions_m()) < 1e-3).all()
+
+
+@pytest.mark.parametrize(("sharpness", "reason"), [(0.95, "off_table"), (0.6, "")])
+def test_a_ball_in_the_air_may_be_the_lit_end_of_a_cylinder_unless_light_fades_at_its_limb(
+    sharpness: float, reason: str
+) -> None:
+    """Two centimetres above the table; the images show nothing else of it."""
+    ball = SolidFit("sphere", np.array([0.0, 0.0, 0.9]), np.eye(3), np.full(3, 0.03), 0.05, 1e-9 * np.eye(3))
+    places = [ball.centre_px(camera) for camera in (PARALLEL.left, PARALLEL.right)]
+    left, right = (disc(*place, 0.015 * PARALLEL.focal_px / 0.9) for place in places)
+    blobs = tuple(replace(each, sharpness=np.full(len(each.contour_px), sharpness)) for each in (left, right))
+    row = (blobs[0], blobs[1]), by_solid(PARALLEL, ball, 1.0)
+    table = Table(np.array([0.0, 0.0, -1.0]), 0.935, 5e-4)
+    kept, refused = OnTable(Images(blank_pair()), table, flat_parts=False).seen([row], [])
+    assert [where.reason for _, where in kept + refused] == [reason]
 
 
 @pytest.mark.parametrize("seed", first_of(3, 49, 56))
