@@ -95,8 +95,7 @@ def test_the_lock_has_every_dependency_and_no_address(setup_cfg: ConfigParser) -
 def test_make_starts_its_commands_apart_from_the_ros_of_the_terminal() -> None:
     """The wheels have no other middleware than Fast DDS, and rcl ends the process where another one is asked for."""
     done = subprocess.run(["make", "-n", "demo"], cwd=ROOT, capture_output=True, text=True, check=True)
-    command = done.stdout.splitlines()[-1]
-    assert command.endswith("stereo-pick demo --output demo_output")
+    (command,) = (line for line in done.stdout.splitlines() if line.endswith("stereo-pick demo --output demo_output"))
     for name in ("PYTHONPATH", "LD_LIBRARY_PATH", "AMENT_PREFIX_PATH", "RMW_IMPLEMENTATION"):
         assert f" -u {name} " in command
         assert f" -u {name} " in (ROOT / "README.md").read_text(encoding="utf-8")

@@ -13,6 +13,7 @@ from stereo_pick.core.edges.supported import CHANCE, Supported
 from stereo_pick.core.places.clear_of import clear_of
 from stereo_pick.core.places.frontier import reaches_down
 from stereo_pick.core.places.located import TOP, as_tube_on, convex_outlines, ends_sharply, is_flat
+from stereo_pick.core.places.one_plane import FLAT_PX, Sides, plane_with
 from stereo_pick.core.places.overlap import none_behind_another, one_in_each_place
 from stereo_pick.core.places.position import BlobPair, Located, Row, by_supported
 from stereo_pick.core.shapes import SolidFit
@@ -102,11 +103,18 @@ class OnTable:
                 off_m = on_it.fit.centre_m - fit.centre_m
                 unsure = replace(on_it, doubt=on_it.doubt + np.outer(off_m, off_m))
                 return by_supported(self.images.rig, unsure)
-        if stands_on(self.table, fit) or (hangs and _is_a_body(blobs, fit)):
+        if stands_on(self.table, fit) or (hangs and not self._may_be_a_lit_top(blobs, fit)):
             return where
         if on_it is not None and on_it.is_exact:
             return by_supported(self.images.rig, on_it)
         return replace(where, reason="off_table")
+
+    def _may_be_a_lit_top(self, blobs: BlobPair, fit: SolidFit) -> bool:
+        """Whether a solid is a sheet, or a ball that looks, and is as sharp, as a cylinder from straight above."""
+        if fit.kind != SPHERE.name or not all(ends_sharply(blob) for blob in blobs):
+            return is_flat(fit, TOP)
+        sides = Sides.of(*blobs, self.images.rig)
+        return sides.off_px(plane_with(self.table.normal, sides)) < FLAT_PX
 
     def _in_the_air(self, fits: Sequence[SolidFit | None]) -> list[Supported | None]:
         """The support of solids that need not stand on the table."""
@@ -138,11 +146,6 @@ def _divided(rows: Sequence[Row], is_so: Callable[[Located], bool]) -> tuple[lis
 def is_sure(where: Located, table: Table) -> bool:
     """Whether an object is known so well, and to stand on a table, that it need not be looked for on it."""
     return where.fit is not None and where.sigma_px <= _SURE_PX and surely_on(table, where.fit)
-
-
-def _is_a_body(blobs: BlobPair, fit: SolidFit) -> bool:
-    """Whether a solid is more than the lit top of another: the end of a cylinder is as round as a ball."""
-    return not is_flat(fit, TOP) and not (fit.kind == SPHERE.name and all(ends_sharply(blob) for blob in blobs))
 
 
 def _stands(where: Located, table: Table) -> bool:
