@@ -24,7 +24,7 @@ from stereo_pick.ros.shared_memory import PROFILE, PROFILE_VARIABLE, lack_of_pro
 from stereo_pick.ros.started_by import is_orphaned
 from stereo_pick.ros.unread_files import warn_of_unread
 
-LAST_DOMAIN = 232
+_LAST_DOMAIN = 232
 _SPIN_S = 0.1
 
 NodeFactory = Callable[[Context], StepNode]
@@ -96,8 +96,8 @@ def start_ros(context: Context, args: Sequence[str] | None) -> None:
     """
     given = list(args) if args is not None else sys.argv[1:]
     domain = os.environ.get("ROS_DOMAIN_ID", "")
-    if domain.isdecimal() and int(domain) > LAST_DOMAIN:  # of which Fast DDS ends the process
-        raise ParameterError(f"ROS_DOMAIN_ID = {domain} is outside its range 0 .. {LAST_DOMAIN}")
+    if domain.isdecimal() and int(domain) > _LAST_DOMAIN:  # of which Fast DDS ends the process
+        raise ParameterError(f"ROS_DOMAIN_ID = {domain} is outside its range 0 .. {_LAST_DOMAIN}")
     try:
         rclpy.init(args=given, context=context, signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
