@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,6 +19,7 @@ def drafted(path: Path) -> Iterator[Path]:
     draft = file.with_name(f".{file.name}.new")
     try:
         yield draft
+        _store(draft)
         draft.replace(file)
     finally:
         draft.unlink(missing_ok=True)
@@ -32,5 +34,13 @@ def renewed(folder: Path) -> Iterator[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(prefix=".new_", dir=folder, ignore_cleanup_errors=True) as made:
         yield Path(made)
-        for file in sorted(Path(made).iterdir()):
+        files = sorted(Path(made).iterdir())
+        for file in files:
+            _store(file)
+        for file in files:
             file.replace(folder / file.name)
+
+
+def _store(file: Path) -> None:
+    with file.open("rb") as written:
+        os.fsync(written.fileno())  # else it may be empty after a cut of power, in place of the old one

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from stereo_pick.core.arrays import Floats, floats
 from stereo_pick.core.calibration.opencv_file import load_opencv, save_opencv
 from stereo_pick.core.calibration.yaml_file import about, read_yaml
 from stereo_pick.core.camera import Camera
+from stereo_pick.core.drafts import renewed
 from stereo_pick.core.errors import ArrayError, CalibrationError
 from stereo_pick.core.rig import StereoRig
 
@@ -149,24 +149,14 @@ def save_cameras(pair: Mapping[str, Camera], folder: Path, sides: Iterable[str] 
 
     Each file is the old one or the new one at any moment. Raises CalibrationError where they cannot be written.
     """
-    drafts: dict[Path, Path] = {}
     try:
-        for side in sides:
-            draft = drafts[folder / f"{side}.yaml"] = folder / f".{side}.new.yaml"
-            draft.write_text(_camera_info_text(pair[side]))
-        if (folder / "stereo.yaml").is_file():
-            draft = drafts[folder / "stereo.yaml"] = folder / ".stereo.new.yaml"
-            save_opencv(StereoRig.from_cameras(pair["left"], pair["right"]), draft)
-        for path, draft in drafts.items():
-            with draft.open("rb") as written:
-                os.fsync(written.fileno())
-            draft.replace(path)
+        with renewed(folder) as draft:
+            for side in sides:
+                (draft / f"{side}.yaml").write_text(_camera_info_text(pair[side]))
+            if (folder / "stereo.yaml").is_file():
+                save_opencv(StereoRig.from_cameras(pair["left"], pair["right"]), draft / "stereo.yaml")
     except OSError as error:
         raise CalibrationError(f"{folder} cannot be written: {error.strerror}") from None
-    finally:
-        for draft in drafts.values():
-            if draft.is_file():
-                draft.unlink()
 
 
 def _camera_info_text(camera: Camera) -> str:

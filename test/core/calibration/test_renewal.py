@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import itertools
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -168,12 +170,22 @@ def test_without_a_place_nothing_is_taken() -> None:
         keeper.take("left", NEW["left"])
 
 
-def test_where_it_cannot_be_written_the_one_before_stays_in_use(keeper: CalibrationKeeper, folder: Path) -> None:
-    (folder / ".right.new.yaml").mkdir()
+@pytest.mark.parametrize("written", [0, 1])
+def test_where_it_cannot_be_written_the_one_before_stays_in_use(
+    written: int, keeper: CalibrationKeeper, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The disk is full after so many of the files."""
+    left_over = iter([None] * written)
+
+    def fsync(_: int) -> None:
+        if next(left_over, OSError) is OSError:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", fsync)
     keeper.take("left", NEW["left"])
-    with pytest.raises(CalibrationError, match=f"{folder} cannot be written"):
+    with pytest.raises(CalibrationError, match=f"{folder} cannot be written: No space left"):
         keeper.take("right", NEW["right"])
-    (folder / ".right.new.yaml").rmdir()
+    monkeypatch.undo()
     assert assert_only_whole_ones(keeper, folder) == hash_of(OLD)
     keeper.take("right", NEW["right"])
     assert assert_only_whole_ones(keeper, folder) == hash_of(NEW)
